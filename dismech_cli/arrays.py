@@ -1,0 +1,25 @@
+"""Array aliases and the shape letters used in every docstring of the project.
+
+======  =======================================================
+``n``   degrees of freedom (DOFs) of the model
+``m``   free DOFs: those that Newton solves for
+``N``   nodes
+``E``   rod edges
+``T``   triangles
+``S``   stencils of a term
+``D``   DOFs per stencil
+``R``   reduced variables per stencil (edge-vector components, angles)
+``J``   joints: bend-twist stencils (node-edge-node-edge-node)
+======  =======================================================
+"""
+
+from __future__ import annotations
+
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray: TypeAlias = NDArray[np.float64]
+IntArray: TypeAlias = NDArray[np.int64]
+BoolArray: TypeAlias = NDArray[np.bool_]

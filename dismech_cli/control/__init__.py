@@ -1,0 +1,1 @@
+"""Time laws that drive natural strains."""

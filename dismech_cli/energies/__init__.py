@@ -1,0 +1,1 @@
+"""One pure energy kernel per file."""

@@ -1,0 +1,49 @@
+"""Errors that a user can cause or mend; each class fixes the exit code of the command line.
+
+Anything that is not a :class:`DismechError` is a bug in this program: it keeps its traceback and
+ends with exit code 1.
+"""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+
+class DismechError(Exception):
+    """A failure with one clear message and no traceback."""
+
+    exit_code: ClassVar[int] = 1
+
+
+class ScenarioError(DismechError):
+    """The scenario file, a ``--set`` argument or the command line is wrong (exit 2)."""
+
+    exit_code = 2
+
+
+class MeshError(ScenarioError):
+    """A mesh file or generator gives an unusable mesh (exit 2)."""
+
+
+class SolveError(DismechError):
+    """The solver gave up; frames and checkpoint written so far are kept (exit 3)."""
+
+    exit_code = 3
+
+
+class ExpectationError(DismechError):
+    """The run ended, but an ``expect:`` entry was missed (exit 4)."""
+
+    exit_code = 4
+
+
+class OutputError(DismechError):
+    """A result could not be written or read (exit 5)."""
+
+    exit_code = 5
+
+
+class RenderError(DismechError):
+    """No picture can be made on this machine (exit 6)."""
+
+    exit_code = 6

@@ -1,0 +1,1 @@
+"""External forces, one per file."""

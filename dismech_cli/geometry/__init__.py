@@ -1,0 +1,1 @@
+"""Pure functions of plain arithmetic on components, shared by all kernels."""

@@ -1,0 +1,1 @@
+"""Geometry as arrays: read, generate, connect, validate."""

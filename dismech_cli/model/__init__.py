@@ -1,0 +1,1 @@
+"""The semi-discrete system M a + r(q, v, t) = 0."""

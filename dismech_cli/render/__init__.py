@@ -1,0 +1,1 @@
+"""Pictures from results; reads result files only."""

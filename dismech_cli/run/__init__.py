@@ -1,0 +1,1 @@
+"""Time: the loop that steps, writes and survives interruption."""

@@ -1,0 +1,1 @@
+"""What the user said: schema, loader, units. Knows nothing of the numerics."""

@@ -1,0 +1,1 @@
+"""Integrators, sparsity pattern, linear solvers, Newton and step control."""
