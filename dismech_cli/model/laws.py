@@ -1,0 +1,237 @@
+"""Laws of time: what a prescribed value, a load or an actuation does as the run goes on."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any, Literal, Protocol, TypeAlias
+
+import numpy as np
+
+from ..arrays import FloatArray
+from ..errors import ScenarioError
+from .expression import Compiled, compile_expression
+from .waves import sawtooth
+
+Value: TypeAlias = FloatArray | float
+Interpolation: TypeAlias = Literal["linear", "step", "cubic"]
+
+
+class Law(Protocol):
+    """A value that may depend on time t [s] and on the place s, 0 to 1 along a rod."""
+
+    @property
+    def constant(self) -> bool:
+        """True if the value does not change in time."""
+
+    def knots(self) -> tuple[float, ...]:
+        """Times [s] of single kinks or jumps, ascending; periodic ones are not listed."""
+
+    def __call__(self, t: float, s: Value = 0.0) -> Value:
+        """The value at ``t``: a float, or an array of the shape of ``s`` if that is an array."""
+
+
+def _spread(value: Any, s: Value) -> Value:
+    """``value`` in the shape of ``s``."""
+    if isinstance(s, np.ndarray):
+        return np.array(np.broadcast_to(value, s.shape), dtype=np.float64)
+    return float(value)
+
+
+@dataclass(frozen=True, slots=True)
+class Constant:
+    """Always the same value."""
+
+    value: float
+
+    @property
+    def constant(self) -> bool:
+        """True."""
+        return True
+
+    def knots(self) -> tuple[float, ...]:
+        """None."""
+        return ()
+
+    def __call__(self, t: float, s: Value = 0.0) -> Value:
+        """The value."""
+        return _spread(self.value, s)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Table:
+    """Values at given times, held before the first and after the last.
+
+    Attributes:
+        times: Strictly increasing [s], at least one.
+        values: One per time.
+        interpolation: ``linear``; ``step`` holds each value until the next time; ``cubic`` is the
+            natural cubic spline (continuous curvature).
+
+    Raises:
+        ScenarioError: if the lengths differ, the times do not increase or a number is not finite.
+    """
+
+    times: tuple[float, ...]
+    values: tuple[float, ...]
+    interpolation: Interpolation = "linear"
+    _lookup: Callable[[float], Any] = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        if len(self.times) != len(self.values) or not self.times:
+            raise ScenarioError(
+                f"a table needs as many values as times, got {len(self.values)}, {len(self.times)}"
+            )
+        x, y = np.array(self.times), np.array(self.values)
+        if not (np.isfinite(x).all() and np.isfinite(y).all()):
+            raise ScenarioError("a table holds a number that is not finite")
+        late = np.flatnonzero(np.diff(x) <= 0.0)
+        if late.size:
+            i = int(late[0])
+            raise ScenarioError(f"the times of a table must increase, but {x[i + 1]:g} follows {x[i]:g}")
+        object.__setattr__(self, "_lookup", _interpolator(x, y, self.interpolation))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickled by its data: the interpolator is made again."""
+        return _table, (self.times, self.values, self.interpolation)
+
+    @property
+    def constant(self) -> bool:
+        """True if all values are equal."""
+        return len(set(self.values)) == 1
+
+    def knots(self) -> tuple[float, ...]:
+        """The times; of a cubic table only the ends, the rest being smooth."""
+        return (self.times[0], self.times[-1]) if self.interpolation == "cubic" else self.times
+
+    def __call__(self, t: float, s: Value = 0.0) -> Value:
+        """The interpolated value."""
+        return _spread(self._lookup(t), s)
+
+
+def _table(times: tuple[float, ...], values: tuple[float, ...], interpolation: Interpolation) -> Table:
+    return Table(times=times, values=values, interpolation=interpolation)
+
+
+def _interpolator(x: FloatArray, y: FloatArray, interpolation: Interpolation) -> Callable[[float], Any]:
+    if interpolation == "step":
+        return lambda t: y[max(int(np.searchsorted(x, t, side="right")) - 1, 0)]
+    if interpolation == "cubic" and len(x) > 2:
+        from scipy.interpolate import CubicSpline
+
+        spline = CubicSpline(x, y, bc_type="natural")
+        return lambda t: spline(min(max(t, x[0]), x[-1]))
+    return lambda t: np.interp(t, x, y)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Ramp:
+    """``before`` until ``start``, then straight to ``after`` at ``end``, and held."""
+
+    before: float
+    after: float
+    start: float
+    end: float
+
+    @property
+    def constant(self) -> bool:
+        """True if the ramp goes nowhere."""
+        return self.before == self.after
+
+    def knots(self) -> tuple[float, ...]:
+        """Start and end."""
+        return (self.start, self.end)
+
+    def __call__(self, t: float, s: Value = 0.0) -> Value:
+        """The value on the ramp."""
+        part = min(max((t - self.start) / (self.end - self.start), 0.0), 1.0)
+        return _spread(self.before + (self.after - self.before) * part, s)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sine:
+    """``offset + amplitude sin(2 pi frequency t + phase)``; frequency [Hz], phase [rad]."""
+
+    amplitude: float
+    frequency: float
+    phase: float = 0.0
+    offset: float = 0.0
+
+    @property
+    def constant(self) -> bool:
+        """True without amplitude."""
+        return self.amplitude == 0.0
+
+    def knots(self) -> tuple[float, ...]:
+        """None."""
+        return ()
+
+    def __call__(self, t: float, s: Value = 0.0) -> Value:
+        """The value of the wave."""
+        angle = 2 * np.pi * self.frequency * t + self.phase
+        return _spread(self.offset + self.amplitude * np.sin(angle), s)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sawtooth:
+    """``offset + amplitude sawtooth(2 pi frequency t + phase, width)``, see :mod:`.waves`."""
+
+    amplitude: float
+    frequency: float
+    phase: float = 0.0
+    offset: float = 0.0
+    width: float = 1.0
+
+    @property
+    def constant(self) -> bool:
+        """True without amplitude."""
+        return self.amplitude == 0.0
+
+    def knots(self) -> tuple[float, ...]:
+        """None: its kinks are periodic."""
+        return ()
+
+    def __call__(self, t: float, s: Value = 0.0) -> Value:
+        """The value of the wave."""
+        angle = 2 * np.pi * self.frequency * t + self.phase
+        return _spread(self.offset + self.amplitude * sawtooth(angle, self.width), s)
+
+
+@dataclass(frozen=True, slots=True)
+class Expression:
+    """Arithmetic text of ``t`` and ``s``, see :func:`.expression.compile_expression`.
+
+    Raises:
+        ExpressionError: if the text is not arithmetic.
+    """
+
+    text: str
+    _compiled: Compiled = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "_compiled", compile_expression(self.text))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickled by its text: closures cannot be."""
+        return Expression, (self.text,)
+
+    @property
+    def constant(self) -> bool:
+        """True if ``t`` does not occur."""
+        return "t" not in self._compiled.variables
+
+    def knots(self) -> tuple[float, ...]:
+        """None known."""
+        return ()
+
+    def __call__(self, t: float, s: Value = 0.0) -> Value:
+        """The value.
+
+        Raises:
+            ScenarioError: if it is not finite there, such as ``log(t)`` at 0.
+        """
+        with np.errstate(all="ignore"):
+            value = _spread(self._compiled.program(t, s), s)
+        if not np.all(np.isfinite(value)):
+            raise ScenarioError(f"the expression {self.text!r} has no finite value at t = {t:g} s")
+        return value
