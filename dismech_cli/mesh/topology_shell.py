@@ -1,0 +1,159 @@
+"""Edges and hinges of shells, and how rods join shells. Pure functions of index arrays."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arrays import IntArray
+from ..errors import MeshError
+from .orient import half_edges
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ShellTopology:
+    """Edges and hinges of a triangulated surface; B shell edges, H hinges.
+
+    Attributes:
+        edges: Directed shell edges in discovery order, shape (B, 2).
+        face_edges: Shell edge opposite each corner of each triangle, shape (T, 3).
+        face_signs: +1 where the triangle runs along its edge, -1 against it, shape (T, 3).
+        hinges: Nodes (x0, x1, x2, x3), shape (H, 4): shared edge x0 -> x1 as the later triangle
+            runs, x2 opposite it in the earlier triangle, x3 in the later one.
+        hinge_edges: Shell edge of each hinge, shape (H,).
+        hinge_faces: Earlier and later triangle of each hinge, shape (H, 2).
+        edge_faces: Triangles at each shell edge, -1 where there is no second, shape (B, 2).
+    """
+
+    edges: IntArray
+    face_edges: IntArray
+    face_signs: IntArray
+    hinges: IntArray
+    hinge_edges: IntArray
+    hinge_faces: IntArray
+    edge_faces: IntArray
+
+
+def shell_edges(triangles: IntArray) -> ShellTopology:
+    """Find the edges and hinges of a surface.
+
+    Triangles are visited in order, and in each the edges opposite its corners 1, 2, 3. An edge
+    keeps the direction in which it is first met; the second meeting makes a hinge.
+
+    Args:
+        triangles: Shape (T, 3).
+
+    Raises:
+        MeshError: If more than two triangles share an edge.
+    """
+    directed = half_edges(triangles)
+    _, first, inverse, counts = np.unique(
+        np.sort(directed, axis=1), axis=0, return_index=True, return_inverse=True, return_counts=True
+    )
+    if len(counts) and counts.max() > 2:
+        a, b = directed[first[np.argmax(counts)]] + 1
+        raise MeshError(
+            f"{counts.max()} triangles share the edge between nodes {a} and {b}; expected at most 2"
+        )
+    # np.unique numbers edges by their nodes; discovery order numbers them by first appearance.
+    discovery = np.empty(len(first), dtype=np.int64)
+    discovery[np.argsort(first)] = np.arange(len(first))
+    edge = discovery[inverse.ravel()]
+    found = np.sort(first)
+    edges = directed[found]
+
+    is_first = np.zeros(len(directed), dtype=np.bool_)
+    is_first[found] = True
+    second = np.flatnonzero(~is_first)
+    corners = triangles.ravel()
+    hinge_edges = edge[second]
+    earlier = found[hinge_edges]
+    edge_faces = np.full((len(edges), 2), -1, dtype=np.int64)
+    edge_faces[:, 0] = found // 3
+    edge_faces[hinge_edges, 1] = second // 3
+    return ShellTopology(
+        edges=edges,
+        face_edges=edge.reshape(-1, 3),
+        face_signs=np.where(directed[:, 0] == edges[edge, 0], 1, -1).reshape(-1, 3),
+        # Half-edge 3 f + j is opposite corner j of triangle f, so both share a position.
+        hinges=np.column_stack([directed[second], corners[earlier], corners[second]]),
+        hinge_edges=hinge_edges,
+        hinge_faces=np.stack([earlier // 3, second // 3], axis=1),
+        edge_faces=edge_faces,
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RodShellTopology:
+    """Rods and shells joined: the global edge list is rod, joint, ghost, remaining shell edges.
+
+    Edges that carry a twist angle come first, ``edges[:n_twist]``.
+
+    Attributes:
+        edges: All edges in global order, shape (n_edges, 2).
+        n_rod: Rod edges away from the shell.
+        n_joint: Rod edges that end at a shell node, turned so that the shell node is the head.
+        n_ghost: Shell edges of the triangles around joint nodes: they carry a material frame to
+            which the joint edges bend and twist.
+        rod_source: Input rod edge of each of the first n_rod + n_joint edges.
+        shell_source: Shell edge, in discovery order, of each of the others.
+        face_edges: Global edge opposite each corner of each triangle, shape (T, 3).
+        shell: Topology of the surface alone.
+    """
+
+    edges: IntArray
+    n_rod: int
+    n_joint: int
+    n_ghost: int
+    rod_source: IntArray
+    shell_source: IntArray
+    face_edges: IntArray
+    shell: ShellTopology
+
+    @property
+    def n_twist(self) -> int:
+        """Number of edges with a twist angle."""
+        return self.n_rod + self.n_joint + self.n_ghost
+
+
+def rod_shell_joints(edges: IntArray, triangles: IntArray) -> RodShellTopology:
+    """Join rods to shells where they share nodes.
+
+    Args:
+        edges: Rod edges, shape (E, 2).
+        triangles: Shape (T, 3).
+
+    Raises:
+        MeshError: If more than two triangles share an edge.
+    """
+    shell = shell_edges(triangles)
+    on_shell = np.isin(edges, triangles)
+    joined = on_shell.any(axis=1)
+    rods, joints = np.flatnonzero(~joined), np.flatnonzero(joined)
+    turned = np.where(on_shell[joints, :1], edges[joints][:, ::-1], edges[joints])
+    ghosts = _ghosts(turned[:, 1], triangles, shell.face_edges)
+    rest = np.setdiff1d(np.arange(len(shell.edges)), ghosts)
+    shell_source = np.concatenate([ghosts, rest])
+    offset = len(edges)
+    place = np.empty(len(shell.edges), dtype=np.int64)
+    place[shell_source] = np.arange(len(shell_source)) + offset
+    return RodShellTopology(
+        edges=np.concatenate([edges[rods], turned, shell.edges[shell_source]]),
+        n_rod=len(rods),
+        n_joint=len(joints),
+        n_ghost=len(ghosts),
+        rod_source=np.concatenate([rods, joints]),
+        shell_source=shell_source,
+        face_edges=place[shell.face_edges],
+        shell=shell,
+    )
+
+
+def _ghosts(nodes: IntArray, triangles: IntArray, face_edges: IntArray) -> IntArray:
+    """Shell edges of the triangles around each node in turn, each once, shape (n_ghost,)."""
+    around = [np.empty(0, dtype=np.int64)]
+    for node in nodes:
+        around.append(face_edges[(triangles == node).any(axis=1)].ravel())
+    listed = np.concatenate(around)
+    return listed[np.sort(np.unique(listed, return_index=True)[1])]

@@ -1,0 +1,220 @@
+"""Is a mesh usable? Says what is wrong with which element, repairs winding, drops unused nodes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from ..arrays import BoolArray, FloatArray, IntArray
+from ..errors import MeshError
+from .mesh import Mesh
+from .orient import half_edges, reverse, reversed_triangles
+from .source import MAX_COORDINATE, Lines, check_count
+
+LENGTH_TOLERANCE = 1e-12
+"""Shortest edge, as a fraction of the diagonal of the bounding box."""
+
+AREA_TOLERANCE = 1e-14
+"""Smallest triangle area, as a fraction of the squared diagonal of the bounding box."""
+
+FOLD_TOLERANCE = 1e-10
+"""Neighbours are folded flat when 1 + cos(angle between normals) is below this: 1.4e-5 rad."""
+
+
+def validate(mesh: Mesh, where: str, lines: Lines | None = None) -> Mesh:
+    """Check a mesh and repair what can be repaired without guessing.
+
+    Args:
+        mesh: As read or generated.
+        where: File or generator, for messages.
+        lines: Line numbers of the file's entries, for messages.
+
+    Returns:
+        The mesh without unused nodes, consistently wound, with a note for each change and for
+        several components.
+
+    Raises:
+        MeshError: For indices out of range, coordinates that are not finite, duplicate nodes,
+            edges or triangles, zero lengths and areas, folded neighbours, non-manifold edges and
+            surfaces that are not orientable. Elements count from 1 in messages.
+    """
+    lines = lines or Lines()
+    for what, array in (("nodes", mesh.nodes), ("edges", mesh.edges), ("triangles", mesh.triangles)):
+        check_count(len(array), what, where)
+    if len(mesh.edges) + len(mesh.triangles) == 0:
+        raise MeshError(f"{where}: the mesh has neither rod edges nor triangles")
+    _check_range(mesh, where, lines)
+    mesh, lines = _drop_unused(mesh, lines)
+    unit = _check_nodes(mesh.nodes, where, lines)
+    _check_edges(mesh.edges, unit, where, lines)
+    mesh = _check_triangles(mesh, unit, where, lines)
+    return _note_components(mesh)
+
+
+def _refuse(bad: BoolArray, rows: IntArray, what: str, why: str, where: str, lines: IntArray | None) -> None:
+    """Raise a MeshError for the first bad element, if there is one."""
+    if not bad.any():
+        return
+    first = int(np.argmax(bad))
+    place = where if lines is None else f"{where}:{lines[first]}"
+    numbers = ", ".join(str(number + 1) for number in rows[first])
+    others = int(bad.sum()) - 1
+    tail = f" ({others} more like it)" if others else ""
+    raise MeshError(f"{place}: {what} {first + 1} (nodes {numbers}) {why}{tail}")
+
+
+def _check_range(mesh: Mesh, where: str, lines: Lines) -> None:
+    count = len(mesh.nodes)
+    for what, rows, at in (("edge", mesh.edges, lines.edges), ("triangle", mesh.triangles, lines.triangles)):
+        bad = ((rows < 0) | (rows >= count)).any(axis=1)
+        _refuse(bad, rows, what, f"names a node out of range; the mesh has nodes 1 to {count}", where, at)
+
+
+def _drop_unused(mesh: Mesh, lines: Lines) -> tuple[Mesh, Lines]:
+    """Remove nodes without an element: they would have neither mass nor stiffness."""
+    used = np.zeros(len(mesh.nodes), dtype=np.bool_)
+    used[mesh.edges.ravel()] = True
+    used[mesh.triangles.ravel()] = True
+    if used.all():
+        return mesh, lines
+    index = np.cumsum(used) - 1
+    dropped = np.flatnonzero(~used)
+    note = f"{len(dropped)} nodes without an edge or triangle dropped (the first is node {dropped[0] + 1})."
+    groups = {name: index[group[used[group]]] for name, group in mesh.node_groups.items()}
+    mesh = replace(
+        mesh,
+        nodes=mesh.nodes[used],
+        edges=index[mesh.edges],
+        triangles=index[mesh.triangles],
+        node_groups=_not_empty(groups),
+        notes=(*mesh.notes, note),
+    )
+    return mesh, replace(lines, nodes=None if lines.nodes is None else lines.nodes[used])
+
+
+def _not_empty(groups: Mapping[str, IntArray]) -> dict[str, IntArray]:
+    return {name: group for name, group in groups.items() if len(group)}
+
+
+def _check_nodes(nodes: FloatArray, where: str, lines: Lines) -> FloatArray:
+    """Return the nodes scaled by the diagonal of their bounding box, so tolerances are pure numbers."""
+
+    def place(node: int) -> str:
+        return where if lines.nodes is None else f"{where}:{lines.nodes[node]}"
+
+    bad = ~(np.abs(nodes) <= MAX_COORDINATE).all(axis=1)
+    if bad.any():
+        first = int(np.argmax(bad))
+        raise MeshError(
+            f"{place(first)}: node {first + 1} is at {nodes[first].tolist()}; "
+            f"expected finite coordinates up to {MAX_COORDINATE:g} m"
+        )
+    low = nodes.min(axis=0)
+    diagonal = float(np.linalg.norm(nodes.max(axis=0) - low))
+    # Where the squared diagonal underflows, no product of lengths can be trusted.
+    if not diagonal > 1e-100:
+        raise MeshError(f"{where}: all nodes are at the same place")
+    unit = (nodes - low) / diagonal
+    one, two = _closest_duplicates(unit)
+    if len(one):
+        raise MeshError(
+            f"{place(int(two[0]))}: node {two[0] + 1} is at the same place as node {one[0] + 1}; "
+            f"merge them or move them apart ({len(one)} such pairs)"
+        )
+    return unit
+
+
+def _closest_duplicates(unit: FloatArray) -> tuple[IntArray, IntArray]:
+    """Pairs (lower, higher) of coincident nodes of a mesh scaled to unit diagonal."""
+    order = np.lexsort(unit.T)
+    same = (unit[order[1:]] == unit[order[:-1]]).all(axis=1)
+    if same.any():
+        pairs = np.sort(np.stack([order[:-1][same], order[1:][same]]), axis=0)
+        return pairs[0], pairs[1]
+
+    from scipy.spatial import cKDTree
+
+    distance, neighbour = cKDTree(unit).query(unit, k=2, distance_upper_bound=LENGTH_TOLERANCE)
+    close = np.flatnonzero(np.isfinite(distance[:, 1]))
+    other = np.where(neighbour[close, 0] == close, neighbour[close, 1], neighbour[close, 0])
+    later = other > close
+    return close[later], other[later]
+
+
+def _check_edges(edges: IntArray, unit: FloatArray, where: str, lines: Lines) -> None:
+    length = np.linalg.norm(unit[edges[:, 1]] - unit[edges[:, 0]], axis=1)
+    _refuse(length < LENGTH_TOLERANCE, edges, "edge", "has zero length", where, lines.edges)
+    _refuse(_repeated(edges), edges, "edge", "repeats an earlier edge", where, lines.edges)
+
+
+def _repeated(rows: IntArray) -> BoolArray:
+    """True for rows that hold the same nodes as an earlier row."""
+    repeated = np.ones(len(rows), dtype=np.bool_)
+    repeated[np.unique(np.sort(rows, axis=1), axis=0, return_index=True)[1]] = False
+    return repeated
+
+
+def _check_triangles(mesh: Mesh, unit: FloatArray, where: str, lines: Lines) -> Mesh:
+    triangles, at = mesh.triangles, lines.triangles
+    if not len(triangles):
+        return mesh
+    area = 0.5 * np.linalg.norm(_normals(unit, triangles), axis=1)
+    _refuse(area < AREA_TOLERANCE, triangles, "triangle", "has zero area", where, at)
+    _refuse(_repeated(triangles), triangles, "triangle", "repeats an earlier triangle", where, at)
+
+    ordered = np.sort(half_edges(triangles), axis=1)
+    pairs, inverse, counts = np.unique(ordered, axis=0, return_inverse=True, return_counts=True)
+    if counts.max() > 2:
+        crowded = (counts[inverse.ravel()] > 2).reshape(-1, 3).any(axis=1)
+        a, b = pairs[np.argmax(counts > 2)] + 1
+        why = (
+            f"meets more than one other triangle at an edge (such as nodes {a}, {b}): not a manifold surface"
+        )
+        _refuse(crowded, triangles, "triangle", why, where, at)
+
+    wrong = reversed_triangles(triangles, where)
+    if wrong.any():
+        numbers = np.flatnonzero(wrong) + 1
+        shown = ", ".join(map(str, numbers[:5])) + (", ..." if len(numbers) > 5 else "")
+        note = (
+            f"{len(numbers)} of {len(triangles)} triangles reversed to wind like their neighbours ({shown})."
+        )
+        triangles = reverse(triangles, wrong)
+        mesh = replace(mesh, triangles=triangles, notes=(*mesh.notes, note))
+    _check_folds(triangles, unit, where, at)
+    return mesh
+
+
+def _normals(nodes: FloatArray, triangles: IntArray) -> FloatArray:
+    """Cross products of two sides, shape (T, 3): twice the area times the unit normal."""
+    corner = nodes[triangles[:, 0]]
+    return np.cross(nodes[triangles[:, 1]] - corner, nodes[triangles[:, 2]] - corner)
+
+
+def _check_folds(triangles: IntArray, unit: FloatArray, where: str, at: IntArray | None) -> None:
+    """Refuse neighbours lying flat on each other: their hinge angle of pi has no sign."""
+    ordered = np.sort(half_edges(triangles), axis=1)
+    order = np.lexsort((ordered[:, 1], ordered[:, 0]))
+    shared = (ordered[order[1:]] == ordered[order[:-1]]).all(axis=1)
+    one, two = order[:-1][shared] // 3, order[1:][shared] // 3
+    normal = _normals(unit, triangles)
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    flat = np.einsum("ij,ij->i", normal[one], normal[two]) < -1.0 + FOLD_TOLERANCE
+    folded = np.zeros(len(triangles), dtype=np.bool_)
+    folded[np.maximum(one, two)[flat]] = True
+    _refuse(folded, triangles, "triangle", "is folded flat onto its neighbour", where, at)
+
+
+def _note_components(mesh: Mesh) -> Mesh:
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    pairs = np.concatenate([mesh.edges, mesh.triangles[:, :2], mesh.triangles[:, 1:]])
+    count = len(mesh.nodes)
+    graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
+    components = int(connected_components(graph, directed=False)[0])
+    if components == 1:
+        return mesh
+    return replace(mesh, notes=(*mesh.notes, f"The mesh has {components} components that share no node."))
