@@ -1,0 +1,78 @@
+"""HDF5 datasets that grow by the same number of rows with every frame."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+# Frames smaller than this share a chunk: a chunk per two-node frame would be mostly bookkeeping.
+_SMALLEST_CHUNK = 4096
+
+
+@dataclass(frozen=True, slots=True)
+class Column:
+    """A growing dataset.
+
+    Attributes:
+        dataset: The open ``h5py.Dataset``, shape (frames * rows, ...).
+        rows: Rows added by each frame.
+    """
+
+    dataset: Any
+    rows: int
+
+    @property
+    def frames(self) -> int:
+        """Number of whole frames held."""
+        return int(self.dataset.shape[0]) // self.rows if self.rows else np.iinfo(np.int64).max
+
+    def put(self, frame: int, value: ArrayLike) -> None:
+        """Store ``value`` as frame number ``frame``; frames before it must exist.
+
+        Raises:
+            ValueError: If the value has the wrong number of entries.
+        """
+        start, stop = frame * self.rows, (frame + 1) * self.rows
+        block = np.reshape(np.asarray(value), (self.rows, *self.dataset.shape[1:]))
+        self.dataset.resize(stop, axis=0)
+        if self.rows:
+            self.dataset[start:stop] = block
+
+    def truncate(self, frames: int) -> None:
+        """Keep the first ``frames`` frames."""
+        self.dataset.resize(frames * self.rows, axis=0)
+
+    def chunk_bytes(self) -> int:
+        """Bytes of one chunk on disk."""
+        return int(np.prod(self.dataset.chunks)) * int(self.dataset.dtype.itemsize)
+
+
+def create_column(
+    group: Any, name: str, rows: int, tail: tuple[int, ...] = (), dtype: str = "f8", **attributes: str
+) -> Column:
+    """Make an empty growing dataset whose chunk holds one frame (several, when a frame is tiny).
+
+    Args:
+        group: The open ``h5py.Group``.
+        name: Path of the dataset inside the group.
+        rows: Rows added by each frame.
+        tail: Shape of one row.
+        dtype: NumPy type code.
+        **attributes: Attributes such as ``units`` and ``long_name``.
+    """
+    frame_bytes = max(rows, 1) * int(np.prod(tail, dtype=np.int64)) * np.dtype(dtype).itemsize
+    per_chunk = max(1, _SMALLEST_CHUNK // max(frame_bytes, 1))
+    dataset = group.create_dataset(
+        name,
+        shape=(0, *tail),
+        maxshape=(None, *tail),
+        # A dimension of a chunk must not be zero, even where the row is empty.
+        chunks=(max(rows, 1) * per_chunk, *(max(size, 1) for size in tail)),
+        dtype=dtype,
+    )
+    for key, text in attributes.items():
+        dataset.attrs[key] = text
+    return Column(dataset, rows)

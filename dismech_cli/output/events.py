@@ -1,0 +1,67 @@
+"""What happened and when: one JSON object per line."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+
+from .durable import output_errors, write_fully
+from .jsonable import Json, dumps
+
+
+class EventLog:
+    """Appends events to ``events.jsonl``; each is with the system when :meth:`add` returns.
+
+    Args:
+        path: The file; made when missing.
+        resume_at: Drop the events with t > ``resume_at`` [s], which the resumed run will repeat;
+            None appends to what is there.
+    """
+
+    def __init__(self, path: Path, resume_at: float | None = None) -> None:
+        self._path = path
+        with output_errors(path, "open"):
+            if resume_at is not None and path.exists():
+                os.truncate(path, _size_up_to(path, resume_at))
+            self._file = path.open("ab", buffering=0)
+
+    def add(self, kind: str, t: float, **details: object) -> None:
+        """Append one event.
+
+        Args:
+            kind: What happened, e.g. ``"step_rejected"``.
+            t: Simulated time [s].
+            **details: Anything with a JSON form; NaN and infinity become strings.
+
+        Raises:
+            OutputError: If the line could not be written.
+        """
+        line = (dumps({"t": t, "kind": kind, **details}) + "\n").encode()
+        with output_errors(self._path):
+            write_fully(self._file, line)
+
+    def close(self) -> None:
+        """Close the file; safe to call twice."""
+        self._file.close()
+
+
+def _size_up_to(path: Path, t: float) -> int:
+    size = 0
+    with path.open("rb") as file:
+        for line in file:
+            if not line.endswith(b"\n") or float(json.loads(line)["t"]) > t:
+                break
+            size += len(line)
+    return size
+
+
+def read_events(path: Path) -> list[dict[str, Json]]:
+    """Read all whole events; a last line that is cut is left out.
+
+    Raises:
+        OutputError: If the file cannot be read.
+    """
+    with output_errors(path, "read"):
+        text = path.read_text(encoding="utf-8")
+    return [json.loads(line) for line in text[: text.rfind("\n") + 1].splitlines()]

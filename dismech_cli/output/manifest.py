@@ -1,0 +1,143 @@
+"""What ran, with what, on what, and how it ended: ``manifest.json``."""
+
+from __future__ import annotations
+
+import json
+import os
+import platform
+import sys
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field, fields
+from datetime import UTC, datetime
+from importlib import metadata
+from pathlib import Path
+from typing import Literal
+
+from ..errors import OutputError
+from .durable import output_errors, write_bytes
+from .jsonable import Json, dumps
+
+FILE_NAME = "manifest.json"
+
+Status = Literal["running", "done", "failed", "interrupted"]
+
+_PACKAGES = (
+    "dismech",
+    "numpy",
+    "scipy",
+    "h5py",
+    "meshio",
+    "pydantic",
+    "pypardiso",
+    "numba",
+    "pyvista",
+    "vtk",
+)
+_THREAD_VARIABLES = (
+    "OMP_NUM_THREADS",
+    "MKL_NUM_THREADS",
+    "OPENBLAS_NUM_THREADS",
+    "NUMBA_NUM_THREADS",
+    "MKL_CBWR",
+)
+
+
+def installed_versions() -> dict[str, str]:
+    """Versions of Python, of this program and of the libraries that shape a result."""
+    from .. import __version__
+
+    versions = {"python": platform.python_version(), "dismech": __version__}
+    for package in _PACKAGES[1:]:
+        try:
+            versions[package] = metadata.version(package)
+        except metadata.PackageNotFoundError:
+            continue
+    return versions
+
+
+def platform_facts() -> dict[str, str]:
+    """Operating system, processor and number of cores."""
+    return {
+        "system": platform.platform(),
+        "machine": platform.machine(),
+        "cores": str(os.cpu_count() or 1),
+        "implementation": platform.python_implementation(),
+    }
+
+
+def thread_settings() -> dict[str, str]:
+    """Environment variables that set the number of threads, where they are set."""
+    return {name: os.environ[name] for name in _THREAD_VARIABLES if name in os.environ}
+
+
+def utc_now() -> str:
+    """The time of day in UTC, ISO 8601."""
+    return datetime.now(UTC).isoformat(timespec="seconds")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Manifest:
+    """The record of one run; use :func:`dataclasses.replace` to bring it up to date.
+
+    Attributes:
+        name: Name of the scenario.
+        run_id: Name of the run directory.
+        status: ``running`` until the run ends; a run found ``running`` without a process was killed.
+        started: Start [UTC, ISO 8601].
+        ended: End, empty while running.
+        exit_code: Exit code of the program, None while running.
+        message: One line on how it ended.
+        argv: The command line.
+        versions: Versions by package.
+        platform: Operating system and processor.
+        threads: Thread settings of the environment.
+        hashes: SHA-256 by input file.
+        plan: The plan as the user is shown it.
+        counters: Steps, Newton iterations, factorisations, rejected steps, ...
+        seconds: Wall time by phase [s].
+    """
+
+    name: str
+    run_id: str
+    status: Status = "running"
+    started: str = field(default_factory=utc_now)
+    ended: str = ""
+    exit_code: int | None = None
+    message: str = ""
+    argv: tuple[str, ...] = field(default_factory=lambda: tuple(sys.argv))
+    versions: Mapping[str, str] = field(default_factory=installed_versions)
+    platform: Mapping[str, str] = field(default_factory=platform_facts)
+    threads: Mapping[str, str] = field(default_factory=thread_settings)
+    hashes: Mapping[str, str] = field(default_factory=dict)
+    plan: str = ""
+    counters: Mapping[str, int] = field(default_factory=dict)
+    seconds: Mapping[str, float] = field(default_factory=dict)
+
+    def save(self, run_dir: Path) -> Path:
+        """Replace ``manifest.json`` in ``run_dir``, atomically.
+
+        Raises:
+            OutputError: If it cannot be written.
+        """
+        path = run_dir / FILE_NAME
+        write_bytes(path, (dumps(asdict(self), indent=2) + "\n").encode())
+        return path
+
+
+def load_manifest(run_dir: Path) -> Manifest:
+    """Read the manifest of a run; entries that this version does not know are left out.
+
+    Raises:
+        OutputError: If it is missing or damaged.
+    """
+    path = run_dir / FILE_NAME
+    with output_errors(path, "read"):
+        text = path.read_text(encoding="utf-8")
+    try:
+        content: dict[str, Json] = json.loads(text)
+        known = {entry.name for entry in fields(Manifest)}
+        arguments = {key: value for key, value in content.items() if key in known}
+        arguments["argv"] = tuple(content.get("argv", ()))  # type: ignore[arg-type]
+        return Manifest(**arguments)  # type: ignore[arg-type]
+    except (ValueError, TypeError, AttributeError) as error:
+        raise OutputError(f"cannot read {path}: it is damaged ({error})") from error
