@@ -32,7 +32,9 @@ def line(start: ArrayLike, end: ArrayLike, nodes: int) -> Mesh:
     """
     where = "line"
     _check_nodes(nodes, 2, where)
-    return _curve(np.linspace(_vector(start, "start", where), _vector(end, "end", where), nodes), False, where)
+    return _curve(
+        np.linspace(_vector(start, "start", where), _vector(end, "end", where), nodes), False, where
+    )
 
 
 def arc(
@@ -203,9 +205,7 @@ def _column(column: str | int | None, header: list[str], where: str) -> int | No
     return column
 
 
-def _polyline(
-    points: ArrayLike, nodes: int | None, spacing: float | None, closed: bool, where: str
-) -> Mesh:
+def _polyline(points: ArrayLike, nodes: int | None, spacing: float | None, closed: bool, where: str) -> Mesh:
     corners = np.asarray(points, dtype=np.float64)
     if corners.ndim != 2 or corners.shape[1] != 3 or not np.isfinite(corners).all():
         raise MeshError(f"{where}: points of shape {corners.shape}; expected finite rows of x, y, z")

@@ -167,8 +167,9 @@ def annulus(inner: float, outer: float, rings: int, *, counts: Sequence[int] | N
     if not inner < outer:
         raise MeshError(f"annulus: inner radius {inner} m is not below the outer radius {outer} m")
     radii = np.linspace(inner, outer, check_count(rings, "rings", "annulus") + 1)
-    numbers = _even_counts("annulus", 2.0 * np.pi * radii, (outer - inner) / rings) if counts is None else counts
-    return _rings("annulus", radii, np.zeros(len(radii)), numbers, None, ("inner", "outer"))
+    if counts is None:
+        counts = _even_counts("annulus", 2.0 * np.pi * radii, (outer - inner) / rings)
+    return _rings("annulus", radii, np.zeros(len(radii)), counts, None, ("inner", "outer"))
 
 
 def hemisphere(
@@ -196,11 +197,12 @@ def hemisphere(
     _check_sizes("hemisphere", radius=radius)
     _check_divisions("hemisphere", rings)
     check_count(rings, "rings", "hemisphere")
-    angles = np.asarray(
-        0.5 * np.pi * (np.arange(rings) + 1) / rings if polar_angles is None else polar_angles, dtype=np.float64
-    )
+    even = 0.5 * np.pi * (np.arange(rings) + 1) / rings
+    angles = np.asarray(even if polar_angles is None else polar_angles, dtype=np.float64)
     if len(angles) != rings or not (np.diff(angles, prepend=0.0, append=np.pi) > 0.0).all():
-        raise MeshError(f"hemisphere: polar_angles {angles.tolist()[:20]}; expected {rings} between 0 and pi, ascending")
+        raise MeshError(
+            f"hemisphere: polar_angles {angles.tolist()[:20]}; expected {rings} between 0 and pi, ascending"
+        )
     radii, heights = radius * np.sin(angles), radius * np.cos(angles)
     # The equator lies at z = 0 exactly, not at the rounding error of cos(pi / 2).
     heights[np.abs(heights) < 1e-15 * radius] = 0.0
@@ -236,7 +238,9 @@ def _rings(
         triangles.append(np.stack([np.zeros_like(k), 1 + k, 1 + (k + 1) % counts[0]], axis=1))
     for ring, (radius, height, count) in enumerate(zip(radii, heights, counts, strict=True)):
         angle = 2.0 * np.pi * np.arange(count) / count
-        points.append(np.column_stack([radius * np.cos(angle), radius * np.sin(angle), np.full(count, height)]))
+        points.append(
+            np.column_stack([radius * np.cos(angle), radius * np.sin(angle), np.full(count, height)])
+        )
         if ring + 1 < len(counts):
             triangles.append(_between(count, counts[ring + 1], start, start + count))
         start += count

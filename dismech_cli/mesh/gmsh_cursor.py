@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 from ..arrays import FloatArray, IntArray
 from ..errors import MeshError
 
+_LONGEST_TOKEN = 64
+
 
 class Cursor(Protocol):
     """Takes numbers one run after another; what is not there is a MeshError before allocation."""
@@ -72,28 +74,31 @@ class TextCursor:
         start = self.position
         if not 0 <= count <= len(self._tokens) - start:
             raise MeshError(
-                f"{self.place(start)}: {count} numbers announced, {len(self._tokens) - start} follow in the section"
+                f"{self.place(start)}: {count} numbers announced, "
+                f"{len(self._tokens) - start} follow in the section"
             )
         tokens = self._tokens[start : start + count]
         self.position += count
         try:
-            # A long token would widen every entry of the array.
-            if max(map(len, tokens), default=0) > 64:
+            # A long token would be cut to the width of the array's entries.
+            if max(map(len, tokens), default=0) > _LONGEST_TOKEN:
                 raise ValueError
-            return np.array(tokens, dtype="S64").astype(dtype)
+            return np.array(tokens, dtype=f"S{_LONGEST_TOKEN}").astype(dtype)
         except (ValueError, OverflowError):
             raise self._bad_token(start, tokens, dtype, expected) from None
 
     def _bad_token(self, start: int, tokens: list[bytes], dtype: type[Any], expected: str) -> MeshError:
-        for offset, token in enumerate(tokens):
-            try:
-                np.array([token[:64]], dtype="S64").astype(dtype)
-            except (ValueError, OverflowError):
-                break
-            if len(token) > 64:
-                break
-        text = token[:40].decode("ascii", errors="replace")
+        offset = next(k for k, token in enumerate(tokens) if not _converts(token, dtype))
+        text = tokens[offset][:40].decode("ascii", errors="replace")
         return MeshError(f"{self.place(start + offset)}: {text!r}; expected {expected}")
+
+
+def _converts(token: bytes, dtype: type[Any]) -> bool:
+    try:
+        np.array([token], dtype=f"S{_LONGEST_TOKEN}").astype(dtype)
+    except (ValueError, OverflowError):
+        return False
+    return len(token) <= _LONGEST_TOKEN
 
 
 class ByteCursor:

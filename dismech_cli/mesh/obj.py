@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +19,20 @@ from .validate import validate
 
 # Keywords that carry appearance only; dropping them cannot change the mechanics.
 _APPEARANCE = frozenset(
-    "vt vn s mg mtllib maplib usemap bevel c_interp d_interp lod shadow_obj trace_obj".split()
+    (
+        "vt",
+        "vn",
+        "s",
+        "mg",
+        "lod",
+        "bevel",
+        "mtllib",
+        "maplib",
+        "usemap",
+        "c_interp",
+        "d_interp",
+        "shadow_obj",
+    )
 )
 
 
@@ -106,7 +120,7 @@ def _parse_line(parsed: _Parsed, keyword: str, tokens: list[str], number: int, p
             if len(chain) < 2:
                 raise MeshError(f"{place}: line with {len(chain)} nodes; expected at least 2")
             start = len(parsed.edges)
-            parsed.edges += zip(chain[:-1], chain[1:], strict=True)
+            parsed.edges += pairwise(chain)
             parsed.edge_lines += [number] * (len(chain) - 1)
             parsed.edge_members.add(parsed.names(), range(start, len(parsed.edges)))
             parsed.node_members.add(parsed.names(), chain)

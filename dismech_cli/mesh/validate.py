@@ -116,7 +116,7 @@ def _check_nodes(nodes: FloatArray, where: str, lines: Lines) -> FloatArray:
     # Where the squared diagonal underflows, no product of lengths can be trusted.
     if not diagonal > 1e-100:
         raise MeshError(f"{where}: all nodes are at the same place")
-    unit = (nodes - low) / diagonal
+    unit: FloatArray = (nodes - low) / diagonal
     one, two = _closest_duplicates(unit)
     if len(one):
         raise MeshError(
@@ -144,7 +144,7 @@ def _closest_duplicates(unit: FloatArray) -> tuple[IntArray, IntArray]:
 
 
 def _check_edges(edges: IntArray, unit: FloatArray, where: str, lines: Lines) -> None:
-    length = np.linalg.norm(unit[edges[:, 1]] - unit[edges[:, 0]], axis=1)
+    length: FloatArray = np.linalg.norm(unit[edges[:, 1]] - unit[edges[:, 0]], axis=1)
     _refuse(length < LENGTH_TOLERANCE, edges, "edge", "has zero length", where, lines.edges)
     _refuse(_repeated(edges), edges, "edge", "repeats an earlier edge", where, lines.edges)
 
@@ -160,7 +160,7 @@ def _check_triangles(mesh: Mesh, unit: FloatArray, where: str, lines: Lines) -> 
     triangles, at = mesh.triangles, lines.triangles
     if not len(triangles):
         return mesh
-    area = 0.5 * np.linalg.norm(_normals(unit, triangles), axis=1)
+    area: FloatArray = 0.5 * np.linalg.norm(_normals(unit, triangles), axis=1)
     _refuse(area < AREA_TOLERANCE, triangles, "triangle", "has zero area", where, at)
     _refuse(_repeated(triangles), triangles, "triangle", "repeats an earlier triangle", where, at)
 
