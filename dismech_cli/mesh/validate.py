@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -46,11 +45,14 @@ def validate(mesh: Mesh, where: str, lines: Lines | None = None) -> Mesh:
     if len(mesh.edges) + len(mesh.triangles) == 0:
         raise MeshError(f"{where}: the mesh has neither rod edges nor triangles")
     _check_range(mesh, where, lines)
-    mesh, lines = _drop_unused(mesh, lines)
-    unit = _check_nodes(mesh.nodes, where, lines)
-    _check_edges(mesh.edges, unit, where, lines)
-    mesh = _check_triangles(mesh, unit, where, lines)
-    return _note_components(mesh)
+    used = np.zeros(len(mesh.nodes), dtype=np.bool_)
+    used[mesh.edges.ravel()] = True
+    used[mesh.triangles.ravel()] = True
+    unit = _check_nodes(mesh.nodes, used, where, lines.nodes)
+    _check_edges(mesh.edges, unit, where, lines.edges)
+    mesh = _check_triangles(mesh, unit, where, lines.triangles)
+    # Last, so that messages count nodes as the file does.
+    return _note_components(_drop_unused(mesh, used))
 
 
 def _refuse(bad: BoolArray, rows: IntArray, what: str, why: str, where: str, lines: IntArray | None) -> None:
@@ -68,85 +70,62 @@ def _refuse(bad: BoolArray, rows: IntArray, what: str, why: str, where: str, lin
 def _check_range(mesh: Mesh, where: str, lines: Lines) -> None:
     count = len(mesh.nodes)
     for what, rows, at in (("edge", mesh.edges, lines.edges), ("triangle", mesh.triangles, lines.triangles)):
-        bad = ((rows < 0) | (rows >= count)).any(axis=1)
+        bad: BoolArray = ((rows < 0) | (rows >= count)).any(axis=1)
         _refuse(bad, rows, what, f"names a node out of range; the mesh has nodes 1 to {count}", where, at)
 
 
-def _drop_unused(mesh: Mesh, lines: Lines) -> tuple[Mesh, Lines]:
-    """Remove nodes without an element: they would have neither mass nor stiffness."""
-    used = np.zeros(len(mesh.nodes), dtype=np.bool_)
-    used[mesh.edges.ravel()] = True
-    used[mesh.triangles.ravel()] = True
-    if used.all():
-        return mesh, lines
-    index = np.cumsum(used) - 1
-    dropped = np.flatnonzero(~used)
-    note = f"{len(dropped)} nodes without an edge or triangle dropped (the first is node {dropped[0] + 1})."
-    groups = {name: index[group[used[group]]] for name, group in mesh.node_groups.items()}
-    mesh = replace(
-        mesh,
-        nodes=mesh.nodes[used],
-        edges=index[mesh.edges],
-        triangles=index[mesh.triangles],
-        node_groups=_not_empty(groups),
-        notes=(*mesh.notes, note),
-    )
-    return mesh, replace(lines, nodes=None if lines.nodes is None else lines.nodes[used])
+def _check_nodes(nodes: FloatArray, used: BoolArray, where: str, lines: IntArray | None) -> FloatArray:
+    """Return the nodes scaled by the diagonal of their bounding box, so tolerances are pure numbers.
 
-
-def _not_empty(groups: Mapping[str, IntArray]) -> dict[str, IntArray]:
-    return {name: group for name, group in groups.items() if len(group)}
-
-
-def _check_nodes(nodes: FloatArray, where: str, lines: Lines) -> FloatArray:
-    """Return the nodes scaled by the diagonal of their bounding box, so tolerances are pure numbers."""
+    Unused nodes do not count and stay at the origin.
+    """
 
     def place(node: int) -> str:
-        return where if lines.nodes is None else f"{where}:{lines.nodes[node]}"
+        return where if lines is None else f"{where}:{lines[node]}"
 
-    bad = ~(np.abs(nodes) <= MAX_COORDINATE).all(axis=1)
+    bad = ~(np.abs(nodes) <= MAX_COORDINATE).all(axis=1) & used
     if bad.any():
         first = int(np.argmax(bad))
         raise MeshError(
             f"{place(first)}: node {first + 1} is at {nodes[first].tolist()}; "
             f"expected finite coordinates up to {MAX_COORDINATE:g} m"
         )
-    low = nodes.min(axis=0)
-    diagonal = float(np.linalg.norm(nodes.max(axis=0) - low))
+    points = nodes[used]
+    low = points.min(axis=0)
+    diagonal = float(np.linalg.norm(points.max(axis=0) - low))
     # Where the squared diagonal underflows, no product of lengths can be trusted.
     if not diagonal > 1e-100:
         raise MeshError(f"{where}: all nodes are at the same place")
-    unit: FloatArray = (nodes - low) / diagonal
-    one, two = _closest_duplicates(unit)
-    if len(one):
+    unit = np.zeros_like(nodes)
+    unit[used] = (points - low) / diagonal
+    pairs = np.flatnonzero(used)[_coincident(unit[used])]
+    if len(pairs):
+        one, two = pairs[np.argmin(pairs[:, 1])]
+        more = f" ({len(pairs) - 1} more such pairs)" if len(pairs) > 1 else ""
         raise MeshError(
-            f"{place(int(two[0]))}: node {two[0] + 1} is at the same place as node {one[0] + 1}; "
-            f"merge them or move them apart ({len(one)} such pairs)"
+            f"{place(int(two))}: node {two + 1} is at the same place as node {one + 1}; "
+            f"merge them or move them apart{more}"
         )
     return unit
 
 
-def _closest_duplicates(unit: FloatArray) -> tuple[IntArray, IntArray]:
-    """Pairs (lower, higher) of coincident nodes of a mesh scaled to unit diagonal."""
+def _coincident(unit: FloatArray) -> IntArray:
+    """Pairs (lower, higher) of coincident nodes of a mesh scaled to unit diagonal, shape (pairs, 2)."""
     order = np.lexsort(unit.T)
     same = (unit[order[1:]] == unit[order[:-1]]).all(axis=1)
     if same.any():
-        pairs = np.sort(np.stack([order[:-1][same], order[1:][same]]), axis=0)
-        return pairs[0], pairs[1]
+        # A search tree degenerates on many equal points; sorting does not.
+        return np.sort(np.stack([order[:-1][same], order[1:][same]], axis=1), axis=1)
 
     from scipy.spatial import cKDTree
 
-    distance, neighbour = cKDTree(unit).query(unit, k=2, distance_upper_bound=LENGTH_TOLERANCE)
-    close = np.flatnonzero(np.isfinite(distance[:, 1]))
-    other = np.where(neighbour[close, 0] == close, neighbour[close, 1], neighbour[close, 0])
-    later = other > close
-    return close[later], other[later]
+    return cKDTree(unit).query_pairs(LENGTH_TOLERANCE, output_type="ndarray").astype(np.int64)
 
 
-def _check_edges(edges: IntArray, unit: FloatArray, where: str, lines: Lines) -> None:
+def _check_edges(edges: IntArray, unit: FloatArray, where: str, at: IntArray | None) -> None:
     length: FloatArray = np.linalg.norm(unit[edges[:, 1]] - unit[edges[:, 0]], axis=1)
-    _refuse(length < LENGTH_TOLERANCE, edges, "edge", "has zero length", where, lines.edges)
-    _refuse(_repeated(edges), edges, "edge", "repeats an earlier edge", where, lines.edges)
+    _refuse(length < LENGTH_TOLERANCE, edges, "edge", "has zero length", where, at)
+    _refuse(_repeated(edges), edges, "edge", "repeats an earlier edge", where, at)
 
 
 def _repeated(rows: IntArray) -> BoolArray:
@@ -156,8 +135,8 @@ def _repeated(rows: IntArray) -> BoolArray:
     return repeated
 
 
-def _check_triangles(mesh: Mesh, unit: FloatArray, where: str, lines: Lines) -> Mesh:
-    triangles, at = mesh.triangles, lines.triangles
+def _check_triangles(mesh: Mesh, unit: FloatArray, where: str, at: IntArray | None) -> Mesh:
+    triangles = mesh.triangles
     if not len(triangles):
         return mesh
     area: FloatArray = 0.5 * np.linalg.norm(_normals(unit, triangles), axis=1)
@@ -167,7 +146,7 @@ def _check_triangles(mesh: Mesh, unit: FloatArray, where: str, lines: Lines) -> 
     ordered = np.sort(half_edges(triangles), axis=1)
     pairs, inverse, counts = np.unique(ordered, axis=0, return_inverse=True, return_counts=True)
     if counts.max() > 2:
-        crowded = (counts[inverse.ravel()] > 2).reshape(-1, 3).any(axis=1)
+        crowded: BoolArray = (counts[inverse.ravel()] > 2).reshape(-1, 3).any(axis=1)
         a, b = pairs[np.argmax(counts > 2)] + 1
         why = (
             f"meets more than one other triangle at an edge (such as nodes {a}, {b}): not a manifold surface"
@@ -205,6 +184,25 @@ def _check_folds(triangles: IntArray, unit: FloatArray, where: str, at: IntArray
     folded = np.zeros(len(triangles), dtype=np.bool_)
     folded[np.maximum(one, two)[flat]] = True
     _refuse(folded, triangles, "triangle", "is folded flat onto its neighbour", where, at)
+
+
+def _drop_unused(mesh: Mesh, used: BoolArray) -> Mesh:
+    """Remove nodes without an element: they would have neither mass nor stiffness."""
+    if used.all():
+        return mesh
+    index = np.cumsum(used) - 1
+    dropped = np.flatnonzero(~used)
+    groups = {name: index[group[used[group]]] for name, group in mesh.node_groups.items()}
+    what = "node" if len(dropped) == 1 else "nodes"
+    note = f"{len(dropped)} {what} without an edge or triangle dropped (first: node {dropped[0] + 1})."
+    return replace(
+        mesh,
+        nodes=mesh.nodes[used],
+        edges=index[mesh.edges],
+        triangles=index[mesh.triangles],
+        node_groups={name: group for name, group in groups.items() if len(group)},
+        notes=(*mesh.notes, note),
+    )
 
 
 def _note_components(mesh: Mesh) -> Mesh:
