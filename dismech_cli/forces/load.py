@@ -1,0 +1,58 @@
+"""Dead loads: nodal forces of fixed direction, scaled by a law of time.
+
+Gravity, buoyancy, point and distributed loads are all of this kind: they add to the residual only
+and cost nothing in the matrix.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arrays import FloatArray
+from ..model.configuration import Configuration
+from ..model.driver import Driver
+from ..model.laws import Law
+from ..model.term import Coupling, Linearization, Pattern
+
+
+@dataclass(frozen=True, slots=True)
+class DeadLoad:
+    """Force on the DOFs, constant in direction; implements both Term and BoundEnergy.
+
+    Attributes:
+        name: Unique name.
+        force: Generalised force at unit scale [N], shape (n,).
+        law: Scale over time [1].
+    """
+
+    name: str
+    force: FloatArray
+    law: Law
+
+    @property
+    def dissipative(self) -> bool:
+        """A dead load does not depend on velocity."""
+        return False
+
+    @property
+    def couplings(self) -> tuple[Coupling, ...]:
+        """None."""
+        return ()
+
+    def bind(self, pattern: Pattern, driver: Driver) -> DeadLoad:
+        """Return itself: nothing to look up."""
+        return self
+
+    def energy(self, c: Configuration) -> FloatArray:
+        """-f.q [J], shape (1,): the potential at fixed time."""
+        return np.array([-float(self.law(c.t)) * float(self.force @ c.q)])
+
+    def add_residual(self, c: Configuration, r: FloatArray) -> None:
+        """Subtract the force."""
+        r -= float(self.law(c.t)) * self.force
+
+    def add_linearization(self, c: Configuration, into: Linearization) -> None:
+        """Subtract the force; there is no tangent."""
+        self.add_residual(c, into.residual)

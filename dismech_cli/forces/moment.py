@@ -1,0 +1,113 @@
+"""A moment of fixed direction on edges: a couple of nodal forces across the edge.
+
+The couple (M x t)/l on the head and its opposite on the tail does the work M.w of the edge's
+rotation; the part of M along t turns the edge's angle. The direction of M is fixed in space, so
+the load is conservative in the plane only and the tangent is not symmetric in space.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arrays import FloatArray, IntArray
+from ..model.configuration import Configuration
+from ..model.driver import Driver
+from ..model.laws import Law
+from ..model.term import Coupling, Linearization, Pattern
+
+
+@dataclass(frozen=True, slots=True)
+class EdgeMoment:
+    """Moments on edges.
+
+    Attributes:
+        name: Unique name.
+        tails: Position DOFs of the tails, shape (K, d).
+        heads: Position DOFs of the heads, shape (K, d).
+        angles: Angle DOFs, shape (K,), or (0,) where edges carry none.
+        axes: Space axes of the d components.
+        moments: Moment on each edge at unit scale [N m], shape (K, 3).
+        law: Scale over time [1].
+    """
+
+    name: str
+    tails: IntArray
+    heads: IntArray
+    angles: IntArray
+    axes: tuple[int, ...]
+    moments: FloatArray
+    law: Law
+
+    @property
+    def dissipative(self) -> bool:
+        """A moment does not depend on velocity."""
+        return False
+
+    @property
+    def couplings(self) -> tuple[Coupling, ...]:
+        """Both nodes of each edge, and its angle."""
+        return (Coupling(self._dofs, symmetric=False),)
+
+    @property
+    def _dofs(self) -> IntArray:
+        parts = [self.tails, self.heads]
+        if self.angles.size:
+            parts.append(self.angles[:, None])
+        return np.concatenate(parts, axis=1)
+
+    def bind(self, pattern: Pattern, driver: Driver) -> BoundEdgeMoment:
+        """Look the entries up."""
+        dofs = self._dofs
+        size = dofs.shape[1]
+        slots = pattern.slots_of(np.repeat(dofs, size, axis=1), np.tile(dofs, (1, size)))
+        return BoundEdgeMoment(self.name, self, dofs, slots)
+
+
+@dataclass(frozen=True, slots=True)
+class BoundEdgeMoment:
+    """Edge moments bound to a pattern."""
+
+    name: str
+    load: EdgeMoment
+    dofs: IntArray
+    slots: IntArray
+
+    def add_residual(self, c: Configuration, r: FloatArray) -> None:
+        """Subtract the couple."""
+        np.add.at(r, self.dofs, self._evaluate(c)[0])
+
+    def add_linearization(self, c: Configuration, into: Linearization) -> None:
+        """Subtract the couple and add its tangent."""
+        residual, tangent = self._evaluate(c)
+        np.add.at(into.residual, self.dofs, residual)
+        np.add.at(into.stiffness, self.slots, tangent.reshape(len(tangent), -1))
+
+    def _evaluate(self, c: Configuration) -> tuple[FloatArray, FloatArray]:
+        load, axes = self.load, list(self.load.axes)
+        moment = float(load.law(c.t)) * load.moments
+        e = np.zeros((len(moment), 3))
+        e[:, axes] = c.q[load.heads] - c.q[load.tails]
+        square = (e * e).sum(axis=1)[:, None]
+        couple = np.cross(moment, e) / square
+        # d(M x e / e.e)/de = [M]x / e.e - 2 couple e^T / e.e
+        d = np.zeros((len(moment), 3, 3))
+        d[:, 0, 1], d[:, 0, 2], d[:, 1, 2] = -moment[:, 2], moment[:, 1], -moment[:, 0]
+        d -= d.transpose(0, 2, 1)
+        d = (d - 2.0 * couple[:, :, None] * e[:, None, :]) / square[:, :, None]
+        k, f = d[:, axes][:, :, axes], couple[:, axes]
+        n = len(axes)
+        size = self.dofs.shape[1]
+        residual = np.zeros((len(moment), size))
+        residual[:, :n], residual[:, n : 2 * n] = f, -f
+        tangent = np.zeros((len(moment), size, size))
+        tangent[:, :n, :n], tangent[:, :n, n : 2 * n] = -k, k
+        tangent[:, n : 2 * n, :n], tangent[:, n : 2 * n, n : 2 * n] = k, -k
+        if load.angles.size:
+            length = np.sqrt(square)
+            t = e / length
+            residual[:, -1] = -(moment * t).sum(axis=1)
+            slope = -(moment + residual[:, -1:] * t) / length  # d(-M.t)/de
+            tangent[:, -1, :n], tangent[:, -1, n : 2 * n] = -slope, slope
+        return residual, tangent

@@ -1,0 +1,25 @@
+"""The trial point at which terms are evaluated, made once per iterate and shared by all terms."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ..arrays import FloatArray
+from .frames import TrialFrames
+
+
+@dataclass(frozen=True, slots=True)
+class Configuration:
+    """A trial point.
+
+    Attributes:
+        t: Time [s]; the load parameter in static runs.
+        q: Positions [m] and angles [rad], shape (n,).
+        v: Their rates [m/s, rad/s], shape (n,).
+        frames: Reference and material frames transported to ``q``.
+    """
+
+    t: float
+    q: FloatArray
+    v: FloatArray
+    frames: TrialFrames

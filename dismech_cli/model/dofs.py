@@ -1,0 +1,73 @@
+"""Numbering of the degrees of freedom: q = [node positions | edge angles]."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arrays import FloatArray, IntArray
+
+AXES = {"x": 0, "y": 1, "z": 2}
+
+
+@dataclass(frozen=True, slots=True)
+class DofMap:
+    """Maps nodes and edges to DOFs, and back to words.
+
+    Attributes:
+        n_nodes: Nodes with position DOFs, anchors of clamps included.
+        n_angles: Edges that carry an angle theta; 0 unless rods are framed.
+        axes: Space axes that the model carries: (0, 1, 2), or the two of the plane.
+        visible: Nodes that the user knows of; anchors come after them.
+    """
+
+    n_nodes: int
+    n_angles: int
+    axes: tuple[int, ...]
+    visible: int
+
+    @property
+    def dimension(self) -> int:
+        """Position DOFs per node."""
+        return len(self.axes)
+
+    @property
+    def n_positions(self) -> int:
+        """Position DOFs in all."""
+        return self.n_nodes * len(self.axes)
+
+    @property
+    def n(self) -> int:
+        """DOFs in all."""
+        return self.n_positions + self.n_angles
+
+    def of_nodes(self, nodes: IntArray) -> IntArray:
+        """DOFs of nodes, shape (*nodes.shape, dimension)."""
+        return np.asarray(nodes)[..., None] * self.dimension + np.arange(self.dimension)
+
+    def of_angles(self, edges: IntArray) -> IntArray:
+        """DOFs of the angles of edges."""
+        return self.n_positions + np.asarray(edges)
+
+    def positions(self, q: FloatArray) -> FloatArray:
+        """Node part of ``q`` as an array of shape (n_nodes, dimension); a view."""
+        return q[: self.n_positions].reshape(self.n_nodes, self.dimension)
+
+    def embed(self, values: FloatArray) -> FloatArray:
+        """Turn nodal vectors of shape (k, dimension) into space vectors (k, 3)."""
+        out = np.zeros((len(values), 3))
+        out[:, self.axes] = values
+        return out
+
+    def project(self, vectors: FloatArray) -> FloatArray:
+        """Turn space vectors of shape (..., 3) into model vectors (..., dimension)."""
+        return np.ascontiguousarray(np.asarray(vectors, dtype=np.float64)[..., list(self.axes)])
+
+    def describe(self, dof: int) -> str:
+        """Name of a DOF in the user's words."""
+        if dof >= self.n_positions:
+            return f"twist angle of edge {dof - self.n_positions}"
+        node, component = divmod(dof, self.dimension)
+        where = f"node {node}" if node < self.visible else "the wall of a clamp"
+        return f"{'xyz'[self.axes[component]]} of {where}"

@@ -1,0 +1,59 @@
+"""What runs kernels: plain NumPy always, compiled Numba loops when wanted and present."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, Protocol
+
+from ..arrays import FloatArray, IntArray
+
+if TYPE_CHECKING:
+    from .drag import DragKernel
+    from .stencil import Kernel
+    from .term import Linearization, Pattern
+
+
+class StencilLoop(Protocol):
+    """All stencils of one energy, gathered, evaluated and scattered."""
+
+    def energy(self, q: FloatArray, auxiliary: FloatArray, parameters: FloatArray) -> FloatArray:
+        """Energy of each stencil [J], shape (S,)."""
+
+    def add_residual(
+        self, q: FloatArray, auxiliary: FloatArray, parameters: FloatArray, r: FloatArray
+    ) -> None:
+        """Add dE/dq to ``r``, shape (n,)."""
+
+    def add_linearization(
+        self, q: FloatArray, auxiliary: FloatArray, parameters: FloatArray, into: Linearization
+    ) -> None:
+        """Add dE/dq and d2E/dq2."""
+
+
+class DragLoop(Protocol):
+    """All stencils of one velocity-dependent force."""
+
+    def add_residual(self, q: FloatArray, v: FloatArray, parameters: FloatArray, r: FloatArray) -> None:
+        """Add -f to ``r``, shape (n,)."""
+
+    def add_linearization(
+        self, q: FloatArray, v: FloatArray, parameters: FloatArray, into: Linearization
+    ) -> None:
+        """Add -f, -df/dq and -df/dv."""
+
+
+class Driver(Protocol):
+    """Turns kernels into loops."""
+
+    name: str
+
+    def stencil(
+        self, kernel: Kernel, dofs: IntArray, auxiliaries: IntArray, pattern: Pattern
+    ) -> StencilLoop:
+        """Loop of an energy kernel over stencils (S, D) with auxiliary inputs (S, A)."""
+
+    def drag(self, kernel: DragKernel, dofs: IntArray, pattern: Pattern) -> DragLoop:
+        """Loop of a drag kernel over stencils (S, D)."""
+
+    def map(self, function: Callable[[Any], Any], inputs: FloatArray, outputs: int) -> FloatArray:
+        """Apply a kernel column by column: (inputs, k) to (outputs, k)."""

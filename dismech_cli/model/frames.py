@@ -1,0 +1,184 @@
+"""Reference and material frames of rod edges, transported in time (Bergou et al. 2010).
+
+Frames are stored at the start of a step and transported to each trial point from there, never
+chained over Newton iterates: a rejected step leaves no trace. The first directors at rest follow
+a fixed rule (t x y, then parallel transport in edge order), so that results do not depend on chance.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+
+from ..arrays import FloatArray, IntArray
+from ..geometry.kernel import kernel
+from ..geometry.rotation import orthonormal_to, parallel_transport, rotate_about, signed_angle
+from ..geometry.vectors import combine, cross, norm, scale
+from .driver import Driver
+
+
+@dataclass(frozen=True, slots=True)
+class FrameState:
+    """Frames at an accepted state.
+
+    Attributes:
+        tangent: Unit tangents, shape (3, E).
+        director: First reference directors a1, shape (3, E).
+        reference_twist: Unwrapped reference twist of each joint [rad], shape (J,).
+    """
+
+    tangent: FloatArray
+    director: FloatArray
+    reference_twist: FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class TrialFrames:
+    """Frames at a trial point.
+
+    Attributes:
+        state: What an accepted step will store.
+        auxiliary: ``[m1 (3E) | m2 (3E) | reference twist (J)]`` flat, each director by component:
+            the inputs of bending and twist kernels.
+    """
+
+    state: FrameState
+    auxiliary: FloatArray
+
+
+class Frames(Protocol):
+    """Kinematics of frames."""
+
+    def rest(self, q: FloatArray) -> FrameState:
+        """Frames of the rest shape."""
+
+    def transport(self, stored: FrameState, q: FloatArray) -> TrialFrames:
+        """Frames at ``q``, parallel-transported from the stored ones."""
+
+
+_NOTHING = FrameState(np.empty((3, 0)), np.empty((3, 0)), np.empty(0))
+_NO_FRAMES = TrialFrames(_NOTHING, np.empty(0))
+
+
+class NoFrames:
+    """For scenes without framed rods: nothing to carry, nothing to transport."""
+
+    def rest(self, q: FloatArray) -> FrameState:
+        """Return the empty frames."""
+        return _NOTHING
+
+    def transport(self, stored: FrameState, q: FloatArray) -> TrialFrames:
+        """Return the empty frames."""
+        return _NO_FRAMES
+
+
+@kernel
+def edge_frame(x: Any) -> Any:
+    """Tangent, transported a1, material m1 and m2 of one edge.
+
+    Input: edge vector (3), stored tangent (3), stored a1 (3), theta.
+    """
+    e, t0, d0 = (x[0], x[1], x[2]), (x[3], x[4], x[5]), (x[6], x[7], x[8])
+    t = scale(1.0 / norm(e), e)
+    a1 = orthonormal_to(parallel_transport(d0, t0, t), t)
+    a2 = cross(t, a1)
+    c, s = np.cos(x[9]), np.sin(x[9])
+    m1, m2 = combine(c, a1, s, a2), combine(-s, a1, c, a2)
+    return (
+        m1[0], m1[1], m1[2], m2[0], m2[1], m2[2],
+        t[0], t[1], t[2], a1[0], a1[1], a1[2],
+    )  # fmt: skip
+
+
+@kernel
+def joint_reference_twist(x: Any) -> Any:
+    """Reference twist of one joint, unwrapped against the stored value.
+
+    Input: signed tangents of both edges (3 + 3), their a1 (3 + 3), stored reference twist. The
+    transported director is first turned back by the stored twist, so only the change since then
+    passes through atan2 and no 2 pi jump can occur while it stays below pi.
+    """
+    te, tf = (x[0], x[1], x[2]), (x[3], x[4], x[5])
+    ae, af, stored = (x[6], x[7], x[8]), (x[9], x[10], x[11]), x[12]
+    u = rotate_about(parallel_transport(ae, te, tf), tf, stored)
+    return (stored + signed_angle(u, af, tf),)
+
+
+@dataclass(frozen=True, slots=True)
+class RodFrames:
+    """Frames of the edges that carry an angle.
+
+    Attributes:
+        tails: Position DOFs of the first node of each edge, shape (3, E).
+        heads: Position DOFs of the second node, shape (3, E).
+        angles: Angle DOFs, shape (E,).
+        joint_edges: Edge pairs of the joints, shape (J, 2).
+        joint_signs: -1 where a joint walks its edge backwards, shape (J, 2).
+        directors: First directors given by the user, NaN rows where the rule applies, (E, 3).
+        driver: Runs the two kernels.
+    """
+
+    tails: IntArray
+    heads: IntArray
+    angles: IntArray
+    joint_edges: IntArray
+    joint_signs: FloatArray
+    directors: FloatArray
+    driver: Driver
+
+    def rest(self, q: FloatArray) -> FrameState:
+        """Frames of the rest shape: rule or user's director, reference twist against zero."""
+        e = q[self.heads] - q[self.tails]
+        tangent = e / np.sqrt((e * e).sum(axis=0))
+        director = _space_parallel(tangent.T, self.directors)
+        return FrameState(tangent, director, self._reference_twist(tangent, director, np.zeros(len(self.joint_edges))))
+
+    def transport(self, stored: FrameState, q: FloatArray) -> TrialFrames:
+        """Frames at ``q``, parallel-transported from the stored ones."""
+        n = len(self.angles)
+        inputs = np.empty((10, n))
+        np.subtract(q[self.heads], q[self.tails], out=inputs[0:3])
+        inputs[3:6] = stored.tangent
+        inputs[6:9] = stored.director
+        inputs[9] = q[self.angles]
+        out = self.driver.map(edge_frame, inputs, 12)
+        tangent, director = out[6:9], out[9:12]
+        beta = self._reference_twist(tangent, director, stored.reference_twist)
+        return TrialFrames(
+            FrameState(tangent, director, beta), np.concatenate((out[0:6].reshape(-1), beta))
+        )
+
+    def _reference_twist(self, tangent: FloatArray, director: FloatArray, stored: FloatArray) -> FloatArray:
+        e, f = self.joint_edges[:, 0], self.joint_edges[:, 1]
+        inputs = np.empty((13, len(e)))
+        np.multiply(tangent[:, e], self.joint_signs[:, 0], out=inputs[0:3])
+        np.multiply(tangent[:, f], self.joint_signs[:, 1], out=inputs[3:6])
+        inputs[6:9] = director[:, e]
+        inputs[9:12] = director[:, f]
+        inputs[12] = stored
+        return self.driver.map(joint_reference_twist, inputs, 1)[0]
+
+
+def _space_parallel(tangents: FloatArray, given: FloatArray) -> FloatArray:
+    """First directors at rest, shape (3, E): parallel transport along the edge order.
+
+    The start is t x y (t x -z where that vanishes); a row of ``given`` restarts the transport.
+    """
+    out = np.empty_like(tangents)
+    previous: tuple[FloatArray, FloatArray] | None = None
+    for i, t in enumerate(tangents):
+        if np.isfinite(given[i, 0]):
+            a = given[i]
+        elif previous is None:
+            a = np.cross(t, (0.0, 1.0, 0.0))
+            if np.linalg.norm(a) < 1e-6:
+                a = np.cross(t, (0.0, 0.0, -1.0))
+        else:
+            t0, a0 = previous
+            # antiparallel neighbours define no rotation: any normal director is as good
+            a = a0 if np.linalg.norm(np.cross(t0, t)) < 1e-10 else np.array(parallel_transport(a0, t0, t))
+        out[i] = orthonormal_to(a, t)
+        previous = (t, out[i])
+    return np.ascontiguousarray(out.T)

@@ -1,0 +1,38 @@
+"""Lumped mass of rods: half of each edge to its nodes, polar inertia to its angle."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..arrays import FloatArray, IntArray
+from .dofs import DofMap
+
+
+def nodal_lengths(n_nodes: int, edges: IntArray, lengths: FloatArray) -> FloatArray:
+    """Voronoi length of each node: half of every adjacent edge [m], shape (n_nodes,)."""
+    return np.bincount(edges.reshape(-1), np.repeat(0.5 * lengths, 2), minlength=n_nodes)
+
+
+def rod_mass(
+    dofs: DofMap, edges: IntArray, lengths: FloatArray, per_length: FloatArray, polar: FloatArray
+) -> FloatArray:
+    """Diagonal of the mass matrix, shape (n,).
+
+    Args:
+        dofs: Numbering.
+        edges: Rod edges, shape (E, 2).
+        lengths: Rest lengths [m], shape (E,).
+        per_length: Mass per length rho A [kg/m], shape (E,).
+        polar: Rotary inertia per length rho (I1 + I2) [kg m], shape (E,); used where edges carry
+            an angle.
+
+    Returns:
+        Nodal masses [kg] on positions, rotary inertias [kg m^2] on angles.
+    """
+    nodal = np.bincount(
+        edges.reshape(-1), np.repeat(0.5 * lengths * per_length, 2), minlength=dofs.n_nodes
+    )
+    mass = np.zeros(dofs.n)
+    mass[: dofs.n_positions] = np.repeat(nodal, dofs.dimension)
+    mass[dofs.n_positions :] = (lengths * polar)[: dofs.n_angles]
+    return mass

@@ -1,0 +1,47 @@
+"""The semi-discrete system M a + r(q, v, t) = 0 of a scene."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+from ..arrays import FloatArray
+from .dofs import DofMap
+from .driver import Driver
+from .frames import Frames
+from .motion import Motion
+from .stencil import StencilEnergy
+from .term import Term
+
+
+@dataclass(frozen=True, slots=True)
+class Model:
+    """Everything physical about a scene; frozen.
+
+    Attributes:
+        dofs: Numbering of the DOFs.
+        rest: Rest configuration q [m, rad], shape (n,).
+        mass: Diagonal of the mass matrix [kg, kg m^2], shape (n,); zero in static scenes.
+        terms: Energies and forces.
+        motions: Prescribed DOFs.
+        frames: Kinematics of material frames, or their absence.
+        driver: Runs the kernels.
+        length: Characteristic edge length [m]: relates forces to moments in tolerances.
+    """
+
+    dofs: DofMap
+    rest: FloatArray
+    mass: FloatArray
+    terms: tuple[Term, ...]
+    motions: tuple[Motion, ...]
+    frames: Frames
+    driver: Driver
+    length: float
+
+    def with_terms(self, terms: Mapping[str, Term]) -> Model:
+        """Return the model with the named terms replaced."""
+        return replace(self, terms=tuple(terms.get(t.name, t) for t in self.terms))
+
+    def energies(self) -> tuple[StencilEnergy, ...]:
+        """Elastic energies in order."""
+        return tuple(t for t in self.terms if isinstance(t, StencilEnergy))

@@ -1,0 +1,113 @@
+"""Cross-sections: from shape and material to the stiffness and inertia of a rod.
+
+Director m1 spans the thickness, m2 the width: curvature 1 turns the tangent towards m1, so EI1 is
+the stiffness about m2.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import pi
+
+
+@dataclass(frozen=True, slots=True)
+class Section:
+    """Geometry of a cross-section.
+
+    Attributes:
+        area: A [m^2].
+        inertia_1: Second moment for curvature 1, bending towards m1 [m^4].
+        inertia_2: Second moment for curvature 2, bending towards m2 [m^4].
+        torsion: Torsion constant J [m^4].
+        radius: Radius of the drawn tube [m].
+    """
+
+    area: float
+    inertia_1: float
+    inertia_2: float
+    torsion: float
+    radius: float
+
+
+@dataclass(frozen=True, slots=True)
+class RodProperties:
+    """Stiffness and inertia of a rod.
+
+    Attributes:
+        axial: EA [N].
+        bending_1: EI1 [N m^2].
+        bending_2: EI2 [N m^2].
+        torsional: GJ [N m^2].
+        mass_per_length: rho A [kg/m].
+        polar_per_length: rho (I1 + I2) [kg m]: rotary inertia about the tangent.
+        area: A [m^2]: the volume per length that buoyancy displaces.
+        radius: Radius of the drawn tube [m].
+    """
+
+    axial: float
+    bending_1: float
+    bending_2: float
+    torsional: float
+    mass_per_length: float
+    polar_per_length: float
+    area: float
+    radius: float
+
+    @property
+    def isotropic(self) -> bool:
+        """Equal bending stiffness in all directions."""
+        return self.bending_1 == self.bending_2
+
+
+def round_section(radius: float) -> Section:
+    """Solid circle."""
+    inertia = pi * radius**4 / 4.0
+    return Section(pi * radius**2, inertia, inertia, 2.0 * inertia, radius)
+
+
+def tube_section(outer: float, inner: float) -> Section:
+    """Annulus."""
+    inertia = pi * (outer**4 - inner**4) / 4.0
+    return Section(pi * (outer**2 - inner**2), inertia, inertia, 2.0 * inertia, outer)
+
+
+def rectangular_section(width: float, thickness: float, torsion: float | None = None) -> Section:
+    """Rectangle, thickness along m1 and width along m2.
+
+    Args:
+        width: Side along m2 [m].
+        thickness: Side along m1 [m].
+        torsion: Torsion constant [m^4]; by default Saint-Venant's value to 0.5 %, a b^3 [1/3 -
+            0.21 (b/a)(1 - b^4/(12 a^4))] for sides a >= b (Roark's Formulas, table 10.7).
+    """
+    a, b = max(width, thickness), min(width, thickness)
+    saint_venant = a * b**3 * (1.0 / 3.0 - 0.21 * (b / a) * (1.0 - b**4 / (12.0 * a**4)))
+    return Section(
+        width * thickness,
+        width * thickness**3 / 12.0,
+        thickness * width**3 / 12.0,
+        saint_venant if torsion is None else torsion,
+        0.5 * b,
+    )
+
+
+def rod_properties(section: Section, youngs_modulus: float, poisson_ratio: float, density: float) -> RodProperties:
+    """Stiffness and inertia of a homogeneous rod.
+
+    Args:
+        section: Cross-section.
+        youngs_modulus: E [Pa].
+        poisson_ratio: nu [1]; G = E / (2 (1 + nu)).
+        density: rho [kg/m^3].
+    """
+    shear_modulus = youngs_modulus / (2.0 * (1.0 + poisson_ratio))
+    return RodProperties(
+        axial=youngs_modulus * section.area,
+        bending_1=youngs_modulus * section.inertia_1,
+        bending_2=youngs_modulus * section.inertia_2,
+        torsional=shear_modulus * section.torsion,
+        mass_per_length=density * section.area,
+        polar_per_length=density * (section.inertia_1 + section.inertia_2),
+        area=section.area,
+        radius=section.radius,
+    )

@@ -1,0 +1,263 @@
+"""Time integrators as tables of affine maps: the only file where dt meets the physics.
+
+Every stage solves M a_s + r(q_s, v_s, t_s) = 0 for the unknown q = q_end of that stage, where
+q_s, v_s and a_s are affine in q. Static equilibrium is the integrator whose inertia is zero.
+Formulas: Newmark 1959; Chung & Hulbert 1993 (generalised-alpha); Bank et al. 1985 and
+Hosea & Shampine 1996 (TR-BDF2).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar, Protocol
+
+import numpy as np
+
+from ..arrays import FloatArray
+from ..model.state import State
+
+
+@dataclass(frozen=True, slots=True)
+class Weights:
+    """Slopes of the stage maps: the tangent is a M + v C + q K."""
+
+    q: float
+    v: float
+    a: float
+
+
+@dataclass(frozen=True, slots=True)
+class Stage:
+    """One nonlinear solve.
+
+    Attributes:
+        t_stage: Time [s] where balance is enforced.
+        t_end: Time [s] of the unknown q.
+        predictor: First guess of q, shape (n,).
+        weights: Slopes of the stage maps.
+        q0: Constant part of q_s, shape (n,); likewise ``v0`` and ``a0``.
+        v0: See ``q0``.
+        a0: See ``q0``.
+        v_end: (slope, constant) of the velocity at t_end.
+        a_end: (slope, constant) of the acceleration at t_end.
+    """
+
+    t_stage: float
+    t_end: float
+    predictor: FloatArray
+    weights: Weights
+    q0: FloatArray
+    v0: FloatArray
+    a0: FloatArray
+    v_end: tuple[float, FloatArray]
+    a_end: tuple[float, FloatArray]
+
+    def position(self, q: FloatArray) -> FloatArray:
+        """q_s(q)."""
+        return self.weights.q * q + self.q0
+
+    def velocity(self, q: FloatArray) -> FloatArray:
+        """v_s(q)."""
+        return self.weights.v * q + self.v0
+
+    def acceleration(self, q: FloatArray) -> FloatArray:
+        """a_s(q)."""
+        return self.weights.a * q + self.a0
+
+    def finish(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Velocity and acceleration at t_end."""
+        return self.v_end[0] * q + self.v_end[1], self.a_end[0] * q + self.a_end[1]
+
+
+class Integrator(Protocol):
+    """A sequence of stages that takes a state from t to t + dt."""
+
+    name: str
+    order: int
+    stages: int
+    needs_acceleration: bool
+
+    def stage(self, index: int, start: State, latest: State, dt: float) -> Stage:
+        """Maps of one stage.
+
+        Args:
+            index: 0 .. stages - 1.
+            start: State at the start of the step.
+            latest: Result of the previous stage; ``start`` for the first.
+            dt: Step [s].
+        """
+
+
+def _newmark_stage(s: State, dt: float, beta: float, gamma: float, alpha_f: float, alpha_m: float) -> Stage:
+    """Newmark maps with balance at t + (1 - alpha_f) dt, as generalised-alpha needs them."""
+    av = 1.0 / (beta * dt * dt)
+    a_const = -av * (s.q + dt * s.v) - (0.5 / beta - 1.0) * s.a
+    v_slope = gamma * dt * av
+    v_const = s.v + dt * ((1.0 - gamma) * s.a + gamma * a_const)
+    f, m = 1.0 - alpha_f, 1.0 - alpha_m
+    return Stage(
+        t_stage=s.t + f * dt,
+        t_end=s.t + dt,
+        predictor=s.q + dt * s.v + 0.5 * dt * dt * s.a,
+        weights=Weights(q=f, v=f * v_slope, a=m * av),
+        q0=alpha_f * s.q,
+        v0=f * v_const + alpha_f * s.v,
+        a0=m * a_const + alpha_m * s.a,
+        v_end=(v_slope, v_const),
+        a_end=(av, a_const),
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class ImplicitEuler:
+    """First order, strongly damping; for quasi-static motion and first trials."""
+
+    name: ClassVar[str] = "implicit_euler"
+    order: ClassVar[int] = 1
+    stages: ClassVar[int] = 1
+    needs_acceleration: ClassVar[bool] = False
+
+    def stage(self, index: int, start: State, latest: State, dt: float) -> Stage:
+        """v = (q - q_n)/dt, a = (v - v_n)/dt."""
+        v_const = -start.q / dt
+        a_const = (v_const - start.v) / dt
+        return Stage(
+            t_stage=start.t + dt,
+            t_end=start.t + dt,
+            predictor=start.q + dt * start.v,
+            weights=Weights(q=1.0, v=1.0 / dt, a=1.0 / dt**2),
+            q0=np.zeros_like(start.q),
+            v0=v_const,
+            a0=a_const,
+            v_end=(1.0 / dt, v_const),
+            a_end=(1.0 / dt**2, a_const),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class ImplicitMidpoint:
+    """Second order, conserves quadratic invariants; stiff axial forces ring."""
+
+    name: ClassVar[str] = "implicit_midpoint"
+    order: ClassVar[int] = 2
+    stages: ClassVar[int] = 1
+    needs_acceleration: ClassVar[bool] = False
+
+    def stage(self, index: int, start: State, latest: State, dt: float) -> Stage:
+        """Balance at (q + q_n)/2 with v = (q - q_n)/dt."""
+        v_const = -start.q / dt
+        a_const = 2.0 * (v_const - start.v) / dt
+        return Stage(
+            t_stage=start.t + 0.5 * dt,
+            t_end=start.t + dt,
+            predictor=start.q + dt * start.v + 0.5 * dt * dt * start.a,
+            weights=Weights(q=0.5, v=1.0 / dt, a=2.0 / dt**2),
+            q0=0.5 * start.q,
+            v0=v_const,
+            a0=a_const,
+            v_end=(2.0 / dt, 2.0 * v_const - start.v),
+            a_end=(2.0 / dt**2, a_const),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Newmark:
+    """Newmark's method; (1/4, 1/2) is the trapezoidal rule."""
+
+    beta: float = 0.25
+    gamma: float = 0.5
+    name: ClassVar[str] = "newmark"
+    stages: ClassVar[int] = 1
+    needs_acceleration: ClassVar[bool] = True
+
+    @property
+    def order(self) -> int:
+        """Second order only for gamma = 1/2."""
+        return 2 if self.gamma == 0.5 else 1
+
+    def stage(self, index: int, start: State, latest: State, dt: float) -> Stage:
+        """Balance at t + dt."""
+        return _newmark_stage(start, dt, self.beta, self.gamma, 0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class GeneralizedAlpha:
+    """Second order with a chosen damping of the highest frequencies (Chung & Hulbert 1993)."""
+
+    spectral_radius: float = 0.8
+    name: ClassVar[str] = "generalized_alpha"
+    order: ClassVar[int] = 2
+    stages: ClassVar[int] = 1
+    needs_acceleration: ClassVar[bool] = True
+
+    def stage(self, index: int, start: State, latest: State, dt: float) -> Stage:
+        """Newmark maps, balance between the ends of the step."""
+        rho = self.spectral_radius
+        alpha_m = (2.0 * rho - 1.0) / (rho + 1.0)
+        alpha_f = rho / (rho + 1.0)
+        gamma = 0.5 - alpha_m + alpha_f
+        beta = 0.25 * (1.0 - alpha_m + alpha_f) ** 2
+        return _newmark_stage(start, dt, beta, gamma, alpha_f, alpha_m)
+
+
+@dataclass(frozen=True, slots=True)
+class TrBdf2:
+    """Second order and L-stable: a trapezoidal stage, then a BDF2 stage."""
+
+    name: ClassVar[str] = "tr_bdf2"
+    order: ClassVar[int] = 2
+    stages: ClassVar[int] = 2
+    needs_acceleration: ClassVar[bool] = True
+    fraction: ClassVar[float] = 2.0 - 2.0**0.5
+
+    def stage(self, index: int, start: State, latest: State, dt: float) -> Stage:
+        """Trapezoidal rule over the first 0.586 dt, BDF2 over the whole."""
+        return (self._trapezoid, self._bdf2)[index](start, latest, dt)
+
+    def _trapezoid(self, start: State, latest: State, dt: float) -> Stage:
+        return _newmark_stage(start, self.fraction * dt, 0.25, 0.5, 0.0, 0.0)
+
+    def _bdf2(self, start: State, latest: State, dt: float) -> Stage:
+        g = self.fraction
+        c1 = 1.0 / (g * (2.0 - g))
+        c2 = (1.0 - g) ** 2 / (g * (2.0 - g))
+        c3 = (1.0 - g) / (2.0 - g) * dt
+        v_const = (c2 * start.q - c1 * latest.q) / c3
+        a_const = (v_const - c1 * latest.v + c2 * start.v) / c3
+        rest = (1.0 - g) * dt
+        return Stage(
+            t_stage=start.t + dt,
+            t_end=start.t + dt,
+            predictor=latest.q + rest * latest.v + 0.5 * rest * rest * latest.a,
+            weights=Weights(q=1.0, v=1.0 / c3, a=1.0 / c3**2),
+            q0=np.zeros_like(start.q),
+            v0=v_const,
+            a0=a_const,
+            v_end=(1.0 / c3, v_const),
+            a_end=(1.0 / c3**2, a_const),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Static:
+    """Equilibrium at each load level: no inertia, no velocity; t is the load parameter."""
+
+    name: ClassVar[str] = "static"
+    order: ClassVar[int] = 0
+    stages: ClassVar[int] = 1
+    needs_acceleration: ClassVar[bool] = False
+
+    def stage(self, index: int, start: State, latest: State, dt: float) -> Stage:
+        """Balance of forces at t + dt, from the last equilibrium."""
+        zero = np.zeros_like(start.q)
+        return Stage(
+            t_stage=start.t + dt,
+            t_end=start.t + dt,
+            predictor=start.q,
+            weights=Weights(q=1.0, v=0.0, a=0.0),
+            q0=zero,
+            v0=zero,
+            a0=zero,
+            v_end=(0.0, zero),
+            a_end=(0.0, zero),
+        )

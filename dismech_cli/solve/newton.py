@@ -1,0 +1,212 @@
+"""Newton's method: full steps first, an energy line search only where they fail.
+
+The residual norm is never a merit function: stiff stretching makes it rise although the step is
+right. Convergence is decided on the residual alone, relative to the forces that act in the model
+and above the round-off of positions.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arrays import FloatArray, IntArray
+from ..model.frames import FrameState
+from .integrators import Stage
+from .linear import FactorizationError, LinearSolver
+from .status import Status
+from .system import Balance, System
+
+# The residual is tested after an update only if it moved no node further than this fraction of
+# an edge: before that, quadratic convergence has not begun.
+_TEST_BELOW = 0.05
+# Full steps get this many iterations before the line search takes over from the predictor.
+_FULL_STEPS = 20
+# Armijo's constant and the shortest step of the energy line search.
+_ARMIJO, _SHORTEST = 1e-4, 2.0**-20
+
+
+@dataclass(frozen=True, slots=True)
+class NewtonSettings:
+    """Stopping rule.
+
+    Attributes:
+        tolerance: Residual relative to the largest force in the model [1].
+        max_iterations: Iterations before giving up.
+    """
+
+    tolerance: float = 1e-8
+    max_iterations: int = 50
+
+
+@dataclass(frozen=True, slots=True)
+class NewtonResult:
+    """Outcome of one nonlinear solve.
+
+    Attributes:
+        q: Solution, or the last iterate.
+        residual: Full residual (n,) at ``q``: reactions on held DOFs.
+        status: How it ended.
+        iterations: Linear solves done.
+        residual_norm: Largest free residual [N].
+        worst: Global index of the DOF with the largest residual, or -1.
+    """
+
+    q: FloatArray
+    residual: FloatArray
+    status: Status
+    iterations: int
+    residual_norm: float
+    worst: int
+
+
+def solve_stage(
+    system: System, solver: LinearSolver, stage: Stage, guess: FloatArray, stored: FrameState, settings: NewtonSettings
+) -> NewtonResult:
+    """Solve one stage from ``guess`` (prescribed values already in place)."""
+    with np.errstate(all="ignore"):
+        result = _full_steps(system, solver, stage, guess, stored, settings)
+        if result.status is Status.CONVERGED:
+            return result
+        retry = _line_search(system, solver, stage, guess, stored, settings)
+    return NewtonResult(
+        retry.q, retry.residual, retry.status, result.iterations + retry.iterations, retry.residual_norm, retry.worst
+    )
+
+
+def _full_steps(
+    system: System, solver: LinearSolver, stage: Stage, guess: FloatArray, stored: FrameState, settings: NewtonSettings
+) -> NewtonResult:
+    q = guess.copy()
+    free = system.pattern.free
+    split = system.model.dofs.n_positions
+    reach = _TEST_BELOW * system.model.length
+    iterations, status = 0, Status.MAX_ITERATIONS
+    r = system.linearize(stage, q, stored)
+    for _ in range(min(settings.max_iterations, _FULL_STEPS)):
+        residual, values = r
+        floor = system.round_off(values, q)
+        if not np.isfinite(floor):
+            return _failed(q, residual, free, Status.NOT_FINITE, iterations)
+        if _free_max(residual, free) <= floor:
+            return _done(q, residual, free, iterations)
+        try:
+            solver.factorize(values)
+            step = solver.solve(-residual[free])
+        except FactorizationError:
+            return _failed(q, residual, free, Status.FACTORIZATION_FAILED, iterations)
+        iterations += 1
+        q[free] += step
+        moved = np.abs(step[free < split]).max(initial=0.0)
+        if not np.isfinite(moved):
+            return _failed(q, residual, free, Status.NOT_FINITE, iterations)
+        if moved <= reach:
+            balance = system.balance(stage, q, stored)
+            if _small(balance, system, settings.tolerance, floor):
+                return _done(q, balance.residual, free, iterations)
+        r = system.linearize(stage, q, stored)
+    return _failed(q, r[0], free, status, iterations)
+
+
+def _line_search(
+    system: System, solver: LinearSolver, stage: Stage, guess: FloatArray, stored: FrameState, settings: NewtonSettings
+) -> NewtonResult:
+    """Newton with descent directions on the stage's potential and Armijo backtracking.
+
+    Where the tangent gives no descent direction, its diagonal is raised until it does.
+    """
+    q = guess.copy()
+    free = system.pattern.free
+    iterations, shift = 0, 0.0
+    for _ in range(settings.max_iterations):
+        residual, values = system.linearize(stage, q, stored)
+        floor = system.round_off(values, q)
+        balance = system.balance(stage, q, stored)
+        if not np.isfinite(balance.force):
+            return _failed(q, balance.residual, free, Status.NOT_FINITE, iterations)
+        if _small(balance, system, settings.tolerance, floor):
+            return _done(q, balance.residual, free, iterations)
+        gradient = residual[free].copy()
+        step, shift, solves = _descent(system, solver, values, gradient, shift)
+        iterations += solves
+        if step is None:
+            return _failed(q, residual, free, Status.FACTORIZATION_FAILED, iterations)
+        length = _backtrack(system, stage, q, stored, step, gradient)
+        if length == 0.0:
+            return _failed(q, residual, free, Status.LINE_SEARCH_FAILED, iterations)
+        q[free] += length * step
+    return _failed(q, residual, free, Status.MAX_ITERATIONS, iterations)
+
+
+def _descent(
+    system: System, solver: LinearSolver, values: FloatArray, gradient: FloatArray, shift: float
+) -> tuple[FloatArray | None, float, int]:
+    """Direction with negative slope; the diagonal is shifted as little as needed."""
+    diagonal = system.pattern.diagonal
+    size = np.abs(values[diagonal])
+    base = values[diagonal].copy()
+    for attempt in range(24):
+        values[diagonal] = base + shift * size
+        try:
+            solver.factorize(values)
+            step = solver.solve(-gradient)
+        except FactorizationError:
+            step = None
+        if step is not None and np.isfinite(step).all() and float(step @ gradient) < 0.0:
+            # a shift that was needed is tried ten times smaller at the next iterate
+            return step, (0.1 * shift if shift > 1e-10 else 0.0), attempt + 1
+        shift = max(10.0 * shift, 1e-9)
+    return None, shift, 24
+
+
+def _backtrack(
+    system: System, stage: Stage, q: FloatArray, stored: FrameState, step: FloatArray, gradient: FloatArray
+) -> float:
+    """Armijo step length on the potential; work of other forces by the trapezoidal rule."""
+    free, weight = system.pattern.free, stage.weights.q
+    slope = float(step @ gradient)
+    energy0, rest0 = system.potential(stage, q, stored)
+    work0 = float(step @ rest0[free])
+    length = 1.0
+    while length >= _SHORTEST:
+        trial = q.copy()
+        trial[free] += length * step
+        energy, rest = system.potential(stage, trial, stored)
+        change = (energy - energy0) / weight + 0.5 * length * (work0 + float(step @ rest[free]))
+        # round-off of the energies hides changes below this
+        noise = 1e-14 * (abs(energy) + abs(energy0)) / weight
+        if change <= _ARMIJO * length * slope + noise:
+            return length
+        length *= 0.5
+    return 0.0
+
+
+def _free_max(residual: FloatArray, free: IntArray) -> float:
+    return float(np.abs(residual[free]).max(initial=0.0))
+
+
+def _small(balance: Balance, system: System, tolerance: float, floor: float) -> bool:
+    split, free, length = system.model.dofs.n_positions, system.pattern.free, system.model.length
+    r = np.abs(balance.residual[free])
+    at_node = free < split
+    force = r[at_node].max(initial=0.0)
+    moment = r[~at_node].max(initial=0.0)
+    largest_moment = max(balance.moment, balance.force * length)
+    return bool(force <= tolerance * balance.force + floor and moment <= tolerance * largest_moment + floor * length)
+
+
+def _done(q: FloatArray, residual: FloatArray, free: IntArray, iterations: int) -> NewtonResult:
+    return NewtonResult(q, residual.copy(), Status.CONVERGED, iterations, _free_max(residual, free), -1)
+
+
+def _failed(
+    q: FloatArray,
+    residual: FloatArray,
+    free: IntArray,
+    status: Status,
+    iterations: int,
+) -> NewtonResult:
+    r = np.abs(residual[free])
+    worst = int(free[int(np.argmax(np.where(np.isfinite(r), r, np.inf)))]) if r.size else -1
+    return NewtonResult(q, residual.copy(), status, iterations, float(r.max(initial=0.0)), worst)

@@ -1,0 +1,29 @@
+"""The table of linear solvers, and the choice among them by structure."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from .linear import BandedSolver, DenseSolver, LinearSolver, SuperLuSolver
+from .pardiso import PardisoSolver, pardiso_available
+from .pattern import SparsityPattern
+
+LINEAR_SOLVERS: dict[str, Callable[[], LinearSolver]] = {
+    "dense": DenseSolver,
+    "banded": BandedSolver,
+    "pardiso": PardisoSolver,
+    "superlu": SuperLuSolver,
+}
+
+# Measured (benchmarks/linear_solvers.py): dense LU wins below this order, a band up to this width.
+DENSE_LIMIT = 24
+BAND_LIMIT = 40
+
+
+def choose_solver(pattern: SparsityPattern) -> str:
+    """Name of the fastest solver for a pattern."""
+    if pattern.m <= DENSE_LIMIT:
+        return "dense"
+    if pattern.bandwidth <= BAND_LIMIT:
+        return "banded"
+    return "pardiso" if pardiso_available() else "superlu"
