@@ -1,0 +1,176 @@
+"""What no single key can tell: names that must exist, keys that exclude each other."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TypeAlias
+
+from .document import KeyPath
+from .force import Buoyancy, Distributed, Gravity, Resistive, Viscous
+from .geometry import Rod
+from .motion import Clamp, Twist
+from .numerics import Static
+from .probe import MeanPositionProbe, Probe, StabilityProbe
+from .schema import Scenario
+from .selection import EdgeSelection, GroupSelection, NodeSelection
+from .suggest import hint
+from .walk import walk
+
+Finding: TypeAlias = tuple[KeyPath, str]
+
+
+def findings(scenario: Scenario) -> Iterator[Finding]:
+    """Every contradiction of a scenario, as key path and message."""
+    yield from _bodies(scenario)
+    yield from _selections(scenario)
+    yield from _rod_names(scenario)
+    yield from _dimension(scenario)
+    yield from _time(scenario)
+    yield from _forces(scenario)
+    yield from _output(scenario)
+    yield from _expectations(scenario)
+
+
+def _bodies(scenario: Scenario) -> Iterator[Finding]:
+    seen: set[str] = set()
+    for i, rod in enumerate(scenario.geometry):
+        if rod.material not in scenario.materials:
+            near = hint(rod.material, scenario.materials)
+            yield ("geometry", i, "material"), f"no material is named {rod.material!r}{near}"
+        if rod.name in seen:
+            yield ("geometry", i, "name"), f"the name {rod.name!r} is taken by another body"
+        seen.add(rod.name)
+
+
+def _selections(scenario: Scenario) -> Iterator[Finding]:
+    rods = {rod.name: rod for rod in scenario.geometry}
+    for path, value in walk(scenario):
+        match value:
+            case GroupSelection(group=group):
+                message = _group(group, rods)
+                if message:
+                    yield (*path, "group"), message
+            case NodeSelection(nodes=part) if part.of not in rods:
+                yield (*path, "nodes", "of"), f"no rod is named {part.of!r}{hint(part.of, rods)}"
+            case EdgeSelection(edges=part) if part.of not in rods:
+                yield (*path, "edges", "of"), f"no rod is named {part.of!r}{hint(part.of, rods)}"
+
+
+def _group(group: str, rods: dict[str, Rod]) -> str | None:
+    name, dot, part = group.partition(".")
+    if name not in rods:
+        return f"no rod is named {name!r}{hint(name, rods)}"
+    if not dot or rods[name].mesh is not None:
+        return None
+    if getattr(rods[name].generate, "closed", False):
+        return f"the closed rod {name!r} has no ends and no group {part!r}"
+    if part not in ("start", "end"):
+        near = hint(part, ("start", "end"))
+        return f"a generated rod has the groups 'start' and 'end' only, not {part!r}{near}"
+    return None
+
+
+def _rod_names(scenario: Scenario) -> Iterator[Finding]:
+    rods = [rod.name for rod in scenario.geometry]
+    named: list[Finding] = []
+    for i, force in enumerate(scenario.forces):
+        if isinstance(force, Distributed | Viscous | Resistive):
+            named += [(("forces", i, "rods", k), name) for k, name in enumerate(force.rods or ())]
+    for i, part in enumerate(scenario.actuation):
+        named.append((("actuation", i, "rod"), part.rod))
+        if part.joints is not None and part.joints[1] < part.joints[0]:
+            yield ("actuation", i, "joints"), f"a range goes from first to last, got {list(part.joints)}"
+    for path, probe in _probes(scenario):
+        if isinstance(probe, MeanPositionProbe):
+            named.append(((*path, "mean_position"), probe.mean_position))
+    for path, name in named:
+        if name not in rods:
+            yield path, f"no rod is named {name!r}{hint(name, rods)}"
+
+
+def _dimension(scenario: Scenario) -> Iterator[Finding]:
+    if scenario.dimension == 3:
+        if "plane" in scenario.model_fields_set:
+            yield ("plane",), "only a scene of dimension 2 has a plane"
+        return
+    planar = "a planar scene has no twist"
+    for i, rod in enumerate(scenario.geometry):
+        if rod.bending == "framed":
+            yield ("geometry", i, "bending"), "a planar scene has no frames; take 'auto'"
+        if rod.natural.twist is not None:
+            yield ("geometry", i, "natural", "twist"), planar
+    for i, motion in enumerate(scenario.motions):
+        if isinstance(motion, Twist):
+            yield ("motions", i, "type"), planar
+        if isinstance(motion, Clamp) and motion.twist is not None:
+            yield ("motions", i, "twist"), planar
+    for i, part in enumerate(scenario.actuation):
+        if part.type == "twist":
+            yield ("actuation", i, "type"), planar
+
+
+def _time(scenario: Scenario) -> Iterator[Finding]:
+    numerics = scenario.numerics
+    if isinstance(numerics.integrator, Static):
+        for key in ("dt", "t_end"):
+            if getattr(numerics, key) is not None:
+                yield (
+                    ("numerics", key),
+                    "a static run goes over pseudo-time 0 to 1 in load_steps; leave this out",
+                )
+        if scenario.initial_velocity:
+            yield ("initial_velocity",), "a static run has no velocities"
+        return
+    for key in ("dt", "t_end"):
+        if getattr(numerics, key) is None:
+            yield ("numerics", key), "missing key: a run in time needs it"
+    if numerics.dt is not None and numerics.t_end is not None and numerics.dt > numerics.t_end:
+        yield ("numerics", "dt"), f"longer than the run of {numerics.t_end:g} s"
+
+
+def _forces(scenario: Scenario) -> Iterator[Finding]:
+    if not any(isinstance(force, Gravity) for force in scenario.forces):
+        for i, force in enumerate(scenario.forces):
+            if isinstance(force, Buoyancy):
+                yield ("forces", i), "buoyancy acts against gravity, but no force of type 'gravity' is given"
+
+
+def _output(scenario: Scenario) -> Iterator[Finding]:
+    output = scenario.output
+    colour = output.render.color_by
+    needed = "velocity" if colour == "speed" else colour
+    if colour != "none" and needed not in output.fields:
+        yield ("output", "render", "color_by"), f"needs {needed!r} in output.fields"
+    for i, name in enumerate(output.render.plots):
+        if name not in output.probes:
+            yield ("output", "render", "plots", i), f"no probe is named {name!r}{hint(name, output.probes)}"
+    end = scenario.numerics.t_end
+    if output.every is not None and end is not None and output.every > end:
+        yield ("output", "every"), f"longer than the run of {end:g} s"
+    if not isinstance(scenario.numerics.integrator, Static):
+        for path, probe in _probes(scenario):
+            if isinstance(probe, StabilityProbe):
+                yield path, "eigenvalues are computed in static runs only"
+
+
+def _expectations(scenario: Scenario) -> Iterator[Finding]:
+    end = 1.0 if isinstance(scenario.numerics.integrator, Static) else scenario.numerics.t_end
+    for name, expectation in scenario.expect.items():
+        path: KeyPath = ("expect", name)
+        if expectation.at is not None:
+            for key in ("reduce", "after"):
+                if key in expectation.model_fields_set and getattr(expectation, key) is not None:
+                    yield (*path, key), "has no meaning beside 'at'"
+        if expectation.tolerance.kind == "relative" and expectation.value == 0.0:
+            yield (*path, "tolerance"), "relative to the value 0 nothing is allowed; give a quantity"
+        for key in ("at", "after"):
+            time = getattr(expectation, key)
+            if time is not None and end is not None and time > end:
+                yield (*path, key), f"after the end of the run at {end:g} s"
+
+
+def _probes(scenario: Scenario) -> Iterator[tuple[KeyPath, Probe]]:
+    for name, probe in scenario.output.probes.items():
+        yield ("output", "probes", name), probe
+    for name, expectation in scenario.expect.items():
+        yield ("expect", name, "probe"), expectation.probe

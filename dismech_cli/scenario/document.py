@@ -1,0 +1,117 @@
+"""A scenario text as a tree that remembers where each value was written."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, Final, TypeAlias
+
+Scalar: TypeAlias = str | int | float | bool | None
+KeyPath: TypeAlias = tuple[str | int, ...]
+
+MAX_BYTES: Final = 8 * 1024 * 1024
+MAX_DEPTH: Final = 64
+MAX_NODES: Final = 1_000_000
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """A text that sets values.
+
+    Attributes:
+        name: As messages name it: a path, or ``--set a=b``.
+        text: The text itself, for excerpts.
+        note: Role beside the scenario, such as ``include``; empty for the scenario itself.
+        positions: False if a line and column mean nothing to the user.
+    """
+
+    name: str
+    text: str = field(repr=False)
+    note: str = ""
+    positions: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class Mark:
+    """A place in a text: line and column counted from 1, and how many characters it covers."""
+
+    source: Source
+    line: int
+    column: int
+    width: int = 1
+
+    def __str__(self) -> str:
+        if not self.source.positions:
+            return self.source.name
+        return f"{self.source.name}:{self.line}:{self.column}"
+
+
+@dataclass(frozen=True, slots=True)
+class Node:
+    """A value with its place.
+
+    Attributes:
+        value: Mapping or tuple of nodes, or a scalar.
+        mark: Where the value starts.
+        key_mark: Where its key stands, if it has one.
+        note: Who changed the value since it was written, such as ``profile draft``.
+    """
+
+    value: Mapping[str, Node] | tuple[Node, ...] | Scalar
+    mark: Mark
+    key_mark: Mark | None = None
+    note: str = ""
+
+    @property
+    def place(self) -> Mark:
+        """The key if there is one, else the value."""
+        return self.key_mark or self.mark
+
+    @property
+    def origin(self) -> str:
+        """Who set the value: ``scene.yaml:12:3``, ``base.yaml:3:1 (include)``, ``--set a=b``."""
+        note = self.note or self.mark.source.note
+        return f"{self.mark} ({note})" if note else str(self.mark)
+
+    def plain(self) -> Any:
+        """The value as dicts, tuples and scalars."""
+        match self.value:
+            case Mapping():
+                return {key: child.plain() for key, child in self.value.items()}
+            case tuple():
+                return tuple(child.plain() for child in self.value)
+            case scalar:
+                return scalar
+
+    def child(self, key: str | int) -> Node | None:
+        """The node under a key or an index, or None."""
+        if isinstance(self.value, Mapping):
+            return self.value.get(key) if isinstance(key, str) else None
+        if isinstance(self.value, tuple) and isinstance(key, int) and 0 <= key < len(self.value):
+            return self.value[key]
+        return None
+
+
+def describe(value: object) -> str:
+    """A value as messages show it."""
+    match value:
+        case None:
+            return "nothing"
+        case bool():
+            return str(value).lower()
+        case str():
+            return repr(value if len(value) <= 40 else value[:40] + "...")
+        case Mapping():
+            return "a mapping"
+        case tuple() | list():
+            return f"a list of {len(value)}"
+        case _:
+            return str(value)
+
+
+def format_path(path: KeyPath) -> str:
+    """``('geometry', 0, 'radius')`` as ``geometry[0].radius``."""
+    text = ""
+    for part in path:
+        text += f"[{part}]" if isinstance(part, int) else (f".{part}" if text else part)
+    return text

@@ -1,0 +1,53 @@
+"""A scenario written back: complete, in SI units, and readable to the same scenario."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from typing import Any
+
+import yaml
+
+from .schema import Scenario
+from .yaml_document import SCALARS
+
+_LOADER_KEYS = ("include", "profiles")
+
+
+class _Dumper(yaml.SafeDumper):
+    """Quotes what YAML 1.2 would not read as text, and no more."""
+
+    yaml_implicit_resolvers: dict[Any, Any] = {}  # noqa: RUF012  PyYAML's own protocol
+
+    def ignore_aliases(self, data: Any) -> bool:
+        return True
+
+
+for _tag, _pattern in SCALARS:
+    _Dumper.add_implicit_resolver(_tag, _pattern, None)
+
+
+def resolved(scenario: Scenario) -> dict[str, Any]:
+    """The scenario as plain data, defaults filled in, keys that are not set left out."""
+    data = scenario.model_dump(mode="json", by_alias=True, exclude_none=True)
+    unused = _LOADER_KEYS if scenario.dimension == 2 else (*_LOADER_KEYS, "plane")
+    return {key: value for key, value in data.items() if key not in unused}
+
+
+def dump_resolved(scenario: Scenario) -> str:
+    """YAML text that loads again to an equal scenario."""
+    text: str = yaml.dump(
+        resolved(scenario),
+        Dumper=_Dumper,
+        sort_keys=False,
+        allow_unicode=True,
+        default_flow_style=None,
+        width=110,
+    )
+    return text
+
+
+def text_hash(scenario: Scenario) -> str:
+    """SHA-256 of the resolved scenario: the same for every way of writing the same thing."""
+    canonical = json.dumps(resolved(scenario), sort_keys=True, ensure_ascii=True, allow_nan=False)
+    return hashlib.sha256(canonical.encode()).hexdigest()

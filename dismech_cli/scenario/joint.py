@@ -1,0 +1,33 @@
+"""How rods hang together."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, TypeAlias
+
+from pydantic import Field, model_validator
+
+from .selection import Selection, SelectionPair
+from .spec import Spec, exactly_one
+
+
+class RigidJoint(Spec):
+    """Welds two coinciding nodes: bending and twist pass through every pair of edges there."""
+
+    type: Literal["rigid"] = Field(description="Kind of joint.")
+    nodes: SelectionPair = Field(description="The two nodes.")
+
+
+class HingeJoint(Spec):
+    """Joins two coinciding nodes, or releases one: no bending or twist passes."""
+
+    type: Literal["hinge"] = Field(description="Kind of joint.")
+    nodes: SelectionPair | None = Field(default=None, description="The two nodes; this or `where`.")
+    where: Selection | None = Field(default=None, description="A node within a rod; this or `nodes`.")
+
+    @model_validator(mode="after")
+    def _one(self) -> HingeJoint:
+        exactly_one(self, "nodes", "where")
+        return self
+
+
+Joint: TypeAlias = Annotated[RigidJoint | HingeJoint, Field(discriminator="type")]

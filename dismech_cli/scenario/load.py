@@ -1,0 +1,176 @@
+"""A scenario file to a validated scenario that remembers where each value was written."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from ..errors import ScenarioError
+from .checks import findings
+from .document import KeyPath, Node
+from .dump import dump_resolved, text_hash
+from .files import parse_source, read_source, resolve_file
+from .law import TableFile, TableLaw, to_law
+from .merge import Includes, without
+from .overrides import apply_override
+from .plausibility import doubts
+from .problems import Problem, ProblemsError, excerpt
+from .profiles import NAMES, apply_profile
+from .provenance import Provenance, trace
+from .reference import json_schema, markdown_reference
+from .schema import Scenario
+from .validation import check_version, place, point, validate
+from .walk import leaves, walk
+
+__all__ = [
+    "LoadedScenario",
+    "Provenance",
+    "dump_resolved",
+    "json_schema",
+    "load",
+    "markdown_reference",
+]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LoadedScenario:
+    """A scenario and where it came from.
+
+    Attributes:
+        scenario: Validated, all numbers in SI units.
+        path: The file, resolved.
+        directory: Its folder: names of files in the scenario start here.
+        profile: Profile asked for, or None.
+        provenance: Value, unit and origin of each leaf by key path, such as ``numerics.dt``.
+        warnings: Implausible values, each with its place.
+        text_hash: SHA-256 of the resolved content.
+        tree: The merged text with the places of its values.
+    """
+
+    scenario: Scenario
+    path: Path
+    directory: Path
+    profile: str | None
+    provenance: Mapping[str, Provenance]
+    warnings: tuple[str, ...]
+    text_hash: str
+    tree: Node = field(repr=False)
+
+    def locate(self, path: str | KeyPath) -> str:
+        """Where the value of a key path was written, such as ``scene.yaml:12:13``."""
+        return str(point(place(self.tree, as_path(path))[1]))
+
+    def excerpt(self, path: str | KeyPath) -> str:
+        """The line that sets a key path, with a caret under the value."""
+        return excerpt(point(place(self.tree, as_path(path))[1]))
+
+    def error(self, path: str | KeyPath, message: str) -> ScenarioError:
+        """An error that points to a key path, for the caller to raise."""
+        return ProblemsError([_problem(self.tree, as_path(path), message)])
+
+
+def load(
+    path: str | Path,
+    *,
+    overrides: Sequence[str] = (),
+    profile: str | None = None,
+    allow_outside: bool = False,
+) -> LoadedScenario:
+    """Read, merge and validate a scenario.
+
+    Later settings win: defaults, include files, the file, the profile, overrides.
+
+    Args:
+        path: YAML or TOML file.
+        overrides: Arguments such as ``numerics.dt=5 ms``, applied in order.
+        profile: ``draft``, ``normal`` or ``accurate``.
+        allow_outside: Permits files outside the folder of the scenario.
+
+    Raises:
+        ScenarioError: with every fault found, each with file, line, column and key.
+    """
+    shown = Path(path)
+    source = read_source(shown, str(shown))
+    file = shown.resolve()
+    tree = None if allow_outside else file.parent
+    root = Includes(tree).expand(parse_source(source, shown.suffix), file, shown)
+    check_version(root)
+    profiles, body = root.child("profiles"), without(root, "profiles")
+    merged = _overridden(apply_profile(body, profile, profiles), overrides)
+    scenario = validate(merged)
+    problems = [_problem(merged, *finding) for finding in findings(scenario)]
+    problems += _file_problems(scenario, merged, file.parent, tree)
+    if problems:
+        raise ProblemsError(problems)
+    _check_other_profiles(body, profiles, profile, overrides)
+    return LoadedScenario(
+        scenario=scenario,
+        path=file,
+        directory=file.parent,
+        profile=profile,
+        provenance=trace(scenario, merged),
+        warnings=tuple(_problem(merged, *doubt).line() for doubt in doubts(scenario)),
+        text_hash=text_hash(scenario),
+        tree=merged,
+    )
+
+
+def as_path(path: str | KeyPath) -> KeyPath:
+    """``geometry[0].radius`` as ``('geometry', 0, 'radius')``; tuples pass through."""
+    if isinstance(path, tuple):
+        return path
+    parts = re.findall(r"\[(\d+)\]|([^.\[\]]+)", path)
+    return tuple(int(index) if index else key for index, key in parts)
+
+
+def _problem(tree: Node, path: KeyPath, message: str) -> Problem:
+    written, node = place(tree, path)
+    return Problem(point(node), written, message)
+
+
+def _overridden(root: Node, overrides: Sequence[str]) -> Node:
+    problems: list[Problem] = []
+    for argument in overrides:
+        try:
+            root = apply_override(root, argument)
+        except ProblemsError as error:
+            problems += error.problems
+    if problems:
+        raise ProblemsError(problems)
+    return root
+
+
+def _file_problems(scenario: Scenario, root: Node, directory: Path, tree: Path | None) -> Iterator[Problem]:
+    """Files that cannot be used, and table files that are no tables."""
+    unusable = set()
+    for leaf in leaves(scenario):
+        if leaf.file:
+            try:
+                resolve_file(leaf.value, directory, tree)
+            except ScenarioError as error:
+                unusable.add(leaf.value)
+                yield _problem(root, leaf.path, str(error))
+    for path, value in walk(scenario):
+        if (
+            isinstance(value, TableLaw)
+            and isinstance(value.table, TableFile)
+            and value.table.file not in unusable
+        ):
+            try:
+                to_law(value, directory)
+            except ScenarioError as error:
+                yield _problem(root, (*path, "table", "file"), str(error))
+
+
+def _check_other_profiles(
+    body: Node, profiles: Node | None, chosen: str | None, overrides: Sequence[str]
+) -> None:
+    """Faults in declared profiles that are not asked for now would bite later."""
+    for name in NAMES:
+        if name != chosen and profiles is not None and profiles.child(name) is not None:
+            merged = _overridden(apply_profile(body, name, profiles), overrides)
+            problems = [_problem(merged, *finding) for finding in findings(validate(merged))]
+            if problems:
+                raise ProblemsError(problems)

@@ -1,0 +1,119 @@
+"""Which nodes or edges a key acts on."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, TypeAlias
+
+from annotated_types import Len
+from pydantic import Field, Strict, Tag, model_validator
+
+from .quantity import DirectionTriple, Index, LengthTriple, Name, PositiveLength
+from .spec import Spec, exactly_one, problem, tag, told_by_key
+
+IndexRange: TypeAlias = Annotated[tuple[Index, ...], Len(2, 2), Strict(False)]
+Indices: TypeAlias = Annotated[tuple[Index, ...], Len(1, 10_000_000), Strict(False)]
+
+
+class IndexSet(Spec):
+    """Nodes or edges of a rod by number, from 0."""
+
+    of: Name = Field(description="Name of the rod.")
+    indices: Indices | None = Field(default=None, description="Numbers.")
+    range: IndexRange | None = Field(default=None, description="First and last number, both included.")
+
+    @model_validator(mode="after")
+    def _one(self) -> IndexSet:
+        exactly_one(self, "indices", "range")
+        if self.range is not None and self.range[1] < self.range[0]:
+            raise problem(f"a range goes from first to last, got {list(self.range)}")
+        return self
+
+
+class Box(Spec):
+    """A box along the axes."""
+
+    min: LengthTriple = Field(description="Lower corner.")
+    max: LengthTriple = Field(description="Upper corner.")
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Box:
+        if any(low > high for low, high in zip(self.min, self.max, strict=True)):
+            raise problem("the upper corner of a box must not lie below the lower one")
+        return self
+
+
+class Plane(Spec):
+    """A slab about a plane."""
+
+    point: LengthTriple = Field(description="A point of the plane.")
+    normal: DirectionTriple = Field(description="Its normal, of any length.")
+    within: PositiveLength = Field(description="Greatest distance from the plane.")
+
+
+class Sphere(Spec):
+    """A ball."""
+
+    center: LengthTriple = Field(description="Its centre.")
+    radius: PositiveLength = Field(description="Its radius.")
+
+
+class GroupSelection(Spec):
+    """A named group: `beam`, `beam.start`, `beam.end`, or `beam.NAME` of its mesh; text is short for it."""
+
+    group: str = Field(
+        pattern=r"^[A-Za-z_][A-Za-z0-9_-]{0,63}(\.[^\s.][^.]{0,99})?$", description="Name of the group."
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _shorthand(cls, value: Any) -> Any:
+        return {"group": value} if isinstance(value, str) else value
+
+
+class NodeSelection(Spec):
+    """Nodes of a rod by number."""
+
+    nodes: IndexSet = Field(description="Rod and numbers.")
+
+
+class EdgeSelection(Spec):
+    """Edges of a rod by number."""
+
+    edges: IndexSet = Field(description="Rod and numbers.")
+
+
+class BoxSelection(Spec):
+    """All nodes in a box."""
+
+    box: Box = Field(description="The box.")
+
+
+class PlaneSelection(Spec):
+    """All nodes near a plane."""
+
+    plane: Plane = Field(description="The plane.")
+
+
+class SphereSelection(Spec):
+    """All nodes in a sphere."""
+
+    sphere: Sphere = Field(description="The sphere.")
+
+
+class NearestSelection(Spec):
+    """The node nearest to a point."""
+
+    nearest: LengthTriple = Field(description="The point.")
+
+
+Selection: TypeAlias = Annotated[
+    Annotated[GroupSelection, Tag(tag("group"))]
+    | Annotated[NodeSelection, Tag(tag("nodes"))]
+    | Annotated[EdgeSelection, Tag(tag("edges"))]
+    | Annotated[BoxSelection, Tag(tag("box"))]
+    | Annotated[PlaneSelection, Tag(tag("plane"))]
+    | Annotated[SphereSelection, Tag(tag("sphere"))]
+    | Annotated[NearestSelection, Tag(tag("nearest"))],
+    told_by_key("group", "nodes", "edges", "box", "plane", "sphere", "nearest", scalar=tag("group")),
+]
+SelectionPair: TypeAlias = Annotated[tuple[Selection, ...], Len(2, 2), Strict(False)]

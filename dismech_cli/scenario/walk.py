@@ -1,0 +1,98 @@
+"""Walks over a validated scenario by key path."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any, get_args
+
+from pydantic import BaseModel
+from pydantic.fields import FieldInfo
+
+from .document import KeyPath
+from .law import LawOf
+from .quantity import FileReference, Quantity
+from .units import KINDS
+
+
+def walk(value: Any, path: KeyPath = ()) -> Iterator[tuple[KeyPath, Any]]:
+    """Every value below ``value`` and itself, depth first, with its key path."""
+    yield path, value
+    match value:
+        case BaseModel():
+            for name, field in type(value).model_fields.items():
+                yield from walk(getattr(value, name), (*path, field.alias or name))
+        case Mapping():
+            for key, child in value.items():
+                yield from walk(child, (*path, key))
+        case tuple():
+            for i, child in enumerate(value):
+                yield from walk(child, (*path, i))
+
+
+@dataclass(frozen=True, slots=True)
+class Leaf:
+    """A number, text, flag or empty collection of the scenario.
+
+    Attributes:
+        path: Key path.
+        value: In SI units.
+        unit: SI unit; empty if the value is no quantity.
+        file: True if the value names a file.
+    """
+
+    path: KeyPath
+    value: Any
+    unit: str
+    file: bool
+
+
+def leaves(value: Any, path: KeyPath = (), marks: tuple[Any, ...] = ()) -> Iterator[Leaf]:
+    """The leaves of a scenario in the order of the schema; keys that are not set are left out.
+
+    Args:
+        value: A scenario, or a part of one.
+        path: Its key path.
+        marks: What annotates the field that it is in.
+    """
+    match value:
+        case None:
+            return
+        case BaseModel():
+            for name, field in type(value).model_fields.items():
+                child = getattr(value, name)
+                inner = _marks(field)
+                # Inside a law the quantity is that of the field that holds the law.
+                law = tuple(mark for mark in marks if isinstance(mark, LawOf))
+                yield from leaves(child, (*path, field.alias or name), inner + law)
+        case Mapping() if value:
+            for key, child in value.items():
+                yield from leaves(child, (*path, key), marks)
+        case tuple() if value:
+            for i, child in enumerate(value):
+                yield from leaves(child, (*path, i), marks)
+        case _:
+            unit = _unit(marks) if isinstance(value, float) else ""
+            file = isinstance(value, str) and any(isinstance(mark, FileReference) for mark in marks)
+            yield Leaf(path, value, unit, file)
+
+
+def _marks(field: FieldInfo) -> tuple[Any, ...]:
+    """All annotations of a field, those inside unions and containers too, outermost first."""
+    return (*field.metadata, *_inner(field.annotation))
+
+
+def _inner(annotation: Any) -> tuple[Any, ...]:
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return ()
+    found: tuple[Any, ...] = tuple(getattr(annotation, "__metadata__", ()))
+    for argument in get_args(annotation):
+        found += _inner(argument)
+    return found
+
+
+def _unit(marks: tuple[Any, ...]) -> str:
+    for mark in marks:
+        if isinstance(mark, Quantity | LawOf):
+            return KINDS[mark.name].unit
+    return ""
