@@ -17,12 +17,16 @@ class Column:
     """A growing dataset.
 
     Attributes:
-        dataset: The open ``h5py.Dataset``, shape (frames * rows, ...).
+        dataset: The open ``h5py.Dataset``, shape (frames * rows, *tail).
         rows: Rows added by each frame.
+        tail: Shape of one row.
+        dtype: Type of the numbers on disk.
     """
 
     dataset: Any
     rows: int
+    tail: tuple[int, ...]
+    dtype: np.dtype[Any]
 
     @property
     def frames(self) -> int:
@@ -35,11 +39,17 @@ class Column:
         Raises:
             ValueError: If the value has the wrong number of entries.
         """
-        start, stop = frame * self.rows, (frame + 1) * self.rows
-        block = np.reshape(np.asarray(value), (self.rows, *self.dataset.shape[1:]))
-        self.dataset.resize(stop, axis=0)
-        if self.rows:
-            self.dataset[start:stop] = block
+        # The low-level calls take a fifth of the time of ``dataset.resize`` and ``dataset[...] =``.
+        from h5py import h5s
+
+        shape = (self.rows, *self.tail)
+        block = np.ascontiguousarray(np.reshape(np.asarray(value, dtype=self.dtype), shape))
+        handle = self.dataset.id
+        handle.set_extent(((frame + 1) * self.rows, *self.tail))
+        if block.size:
+            target = handle.get_space()
+            target.select_hyperslab((frame * self.rows, *(0 for _ in self.tail)), shape)
+            handle.write(h5s.create_simple(shape), target, block)
 
     def truncate(self, frames: int) -> None:
         """Keep the first ``frames`` frames."""
@@ -75,4 +85,9 @@ def create_column(
     )
     for key, text in attributes.items():
         dataset.attrs[key] = text
-    return Column(dataset, rows)
+    return open_column(dataset, rows)
+
+
+def open_column(dataset: Any, rows: int) -> Column:
+    """Describe a dataset that exists as a column of ``rows`` rows per frame."""
+    return Column(dataset, rows, tuple(int(size) for size in dataset.shape[1:]), dataset.dtype)

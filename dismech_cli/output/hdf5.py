@@ -14,6 +14,7 @@ from . import disk_space, vtkhdf
 from .column import Column
 from .durable import output_errors
 from .frame import Frame, Topology
+from .run_columns import plan_state
 from .stored_topology import read_topology, write_topology
 from .vtkhdf import ColumnPlan, Value
 
@@ -76,12 +77,13 @@ class Hdf5Writer:
                 raise OutputError(
                     f"cannot resume {self._path}: it holds another model (nodes or cells differ)"
                 )
-            whole = min(column.frames for column, _ in self._columns)
+            whole = vtkhdf.whole_frames(self._file, [column for column, _ in self._columns])
             times = self._file[vtkhdf.TIMES][:whole]
             self._frames = int(np.count_nonzero(times <= resume_at))
+            vtkhdf.set_step_count(self._file, self._frames)
+            self._file.flush()
             for column, _ in self._columns:
                 column.truncate(self._frames)
-            vtkhdf.set_step_count(self._file, self._frames)
             self._file.flush()
 
     def write(self, frame: Frame) -> None:
@@ -94,6 +96,8 @@ class Hdf5Writer:
             disk_space.reserve(self._file, self._room)
             for column, value in self._columns:
                 column.put(self._frames, value(frame, self._frames))
+            # A frame counts once it is whole in the file: its data first, then the number of steps.
+            self._file.flush()
             vtkhdf.set_step_count(self._file, self._frames + 1)
             self._file.flush()
         self._frames += 1
@@ -122,24 +126,7 @@ def _open_file(path: Path, mode: str) -> Any:
 
 
 def _plan(topology: Topology) -> Iterator[ColumnPlan]:
-    return itertools.chain(vtkhdf.plan_columns(topology), _state_columns(topology))
-
-
-def _state_columns(topology: Topology) -> Iterator[ColumnPlan]:
-    for name, (shape, unit) in topology.state.items():
-        attributes = {"units": unit, "long_name": name.replace("_", " ")}
-        yield f"dismech/state/{name}", 1, tuple(shape), "f8", attributes, _state_value(name)
-    for name, unit in topology.scalars.items():
-        attributes = {"units": unit, "long_name": name.replace("_", " ")}
-        yield f"dismech/scalars/{name}", 1, (), "f8", attributes, _scalar_value(name)
-
-
-def _state_value(name: str) -> Value:
-    return lambda frame, row: frame.state[name]
-
-
-def _scalar_value(name: str) -> Value:
-    return lambda frame, row: frame.scalars[name]
+    return itertools.chain(vtkhdf.plan_columns(topology), plan_state(topology))
 
 
 def _same_model(stored: Topology, topology: Topology) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import time
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -17,6 +18,7 @@ from . import vtkhdf
 from .durable import output_errors
 from .frame import Topology
 from .manifest import Manifest, load_manifest
+from .run_columns import plan_state
 from .run_directory import RUN_FILE, SCALARS_FILE
 from .stored_topology import read_topology
 from .table import read_table
@@ -208,11 +210,9 @@ def _open_whole(path: Path) -> tuple[Any, Topology, int]:
         try:
             file = h5py.File(path, "r", locking=False)
             topology = read_topology(file)
-            columns = vtkhdf.open_columns(file, vtkhdf.plan_columns(topology))
-            frames = [column.frames for column, _ in columns]
-            for group in ("dismech/state", "dismech/scalars"):
-                frames += [int(dataset.shape[0]) for dataset in file[group].values()]
-            return file, topology, min(frames)
+            plans = itertools.chain(vtkhdf.plan_columns(topology), plan_state(topology))
+            columns = [column for column, _ in vtkhdf.open_columns(file, plans)]
+            return file, topology, vtkhdf.whole_frames(file, columns)
         except (OSError, RuntimeError, KeyError, ValueError) as error:
             if file is not None:
                 file.close()

@@ -7,14 +7,14 @@ step point to it. Reference: VTK File Formats, "VTKHDF format specification", ve
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arrays import IntArray
-from .column import Column, create_column
+from .column import Column, create_column, open_column
 from .frame import FieldSpec, Frame, Topology
 
 ROOT = "VTKHDF"
@@ -95,6 +95,12 @@ def set_step_count(file: Any, count: int) -> None:
     file[f"{ROOT}/Steps"].attrs.modify("NSteps", np.int64(count))
 
 
+def whole_frames(file: Any, columns: Sequence[Column]) -> int:
+    """Number of frames that are whole: announced, and present in every column."""
+    announced = int(file[f"{ROOT}/Steps"].attrs["NSteps"])
+    return min([announced, *(column.frames for column in columns)])
+
+
 def open_columns(file: Any, plans: Iterator[ColumnPlan]) -> list[tuple[Column, Value]]:
     """Find the columns of a file that exists.
 
@@ -107,7 +113,7 @@ def open_columns(file: Any, plans: Iterator[ColumnPlan]) -> list[tuple[Column, V
         dataset = file[path]
         if dataset.shape[1:] != tail:
             raise ValueError(f"{path} has rows of shape {dataset.shape[1:]}, not {tail}")
-        columns.append((Column(dataset, rows), value))
+        columns.append((open_column(dataset, rows), value))
     return columns
 
 
