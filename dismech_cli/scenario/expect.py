@@ -98,4 +98,9 @@ def _measured(info: ValidationInfo) -> str | None:
     """The quantity that an expectation compares, or None if its probe is unknown."""
     if "probe" not in info.data:
         return None
-    return "time" if info.data.get("reduce") == "period" else quantity_of(info.data["probe"])
+    return measured(info.data["probe"], info.data.get("reduce", "last"))
+
+
+def measured(probe: Probe, reduction: Reduction) -> str:
+    """What a reduced probe gives: a key of :data:`.units.KINDS`."""
+    return "time" if reduction == "period" else quantity_of(probe)

@@ -64,6 +64,7 @@ class LawOf:
 
 # The law models are shared by all quantities; the field being validated says which one is meant.
 _FIELD: ContextVar[LawOf] = ContextVar("law field")
+_PLAIN = LawOf("ratio")
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,14 +81,14 @@ class _FieldQuantity:
 
 
 def _read(value: object) -> float:
-    return to_si(value, KINDS[_FIELD.get().name])
+    return to_si(value, KINDS[_FIELD.get(_PLAIN).name])
 
 
 FieldValue: TypeAlias = Annotated[float, _FieldQuantity()]
 
 
 @dataclass(frozen=True, slots=True)
-class _Row:
+class TimeAndValue:
     """Marks a pair as a time and a value of the law's field."""
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
@@ -106,7 +107,7 @@ def _row(pair: object) -> tuple[float, float]:
     return to_si(pair[0], KINDS["time"]), _read(pair[1])
 
 
-Row: TypeAlias = Annotated[tuple[float, ...], _Row()]
+Row: TypeAlias = Annotated[tuple[float, ...], TimeAndValue()]
 
 
 class TableFile(Spec):
@@ -209,7 +210,7 @@ class ExpressionLaw(Spec):
             compiled = compile_expression(text)
         except ExpressionError as error:
             raise problem(f"{error.reason} (at column {error.column} of the expression)") from None
-        foreign = sorted(compiled.variables.difference(_FIELD.get().variables))
+        foreign = sorted(compiled.variables.difference(_FIELD.get(_PLAIN).variables))
         if foreign:
             raise problem(f"{listed(foreign)} has a meaning under actuation only")
         return text

@@ -58,6 +58,7 @@ KINDS: Final[dict[str, Kind]] = {
     "curvature": Kind("a curvature", "1/m", Dimension(m=-1), (Dimension(m=-1, rad=1),)),
     "twist rate": Kind("a twist per length", "rad/m", Dimension(m=-1, rad=1), (Dimension(m=-1),)),
     "velocity": Kind("a velocity", "m/s", Dimension(m=1, s=-1)),
+    "angular velocity": Kind("an angular velocity", "rad/s", Dimension(s=-1, rad=1)),
     "acceleration": Kind("an acceleration", "m/s^2", Dimension(m=1, s=-2)),
     "mass": Kind("a mass", "kg", Dimension(kg=1)),
     "density": Kind("a density", "kg/m^3", Dimension(m=-3, kg=1)),
@@ -132,10 +133,12 @@ def parse_quantity(text: str, kind: Kind) -> float:
     Raises:
         QuantityError: if the text cannot be read or has another dimension.
     """
+    wanted = kind.phrase if kind.unit == "1" else f"{kind.phrase} such as '1 {kind.unit}'"
+    if _NUMBER.match(text) is None:
+        raise QuantityError(f"expected {wanted}, got '{_short(text)}'")
     value, dimension = read_quantity(text)
     if dimension is not None and dimension not in (kind.dimension, *kind.also):
-        example = "" if kind.unit == "1" else f" such as '1 {kind.unit}'"
-        raise QuantityError(f"expected {kind.phrase}{example}, got {name_of(dimension)}, '{text.strip()}'")
+        raise QuantityError(f"expected {wanted}, got {name_of(dimension)}, '{text.strip()}'")
     return value
 
 
@@ -145,7 +148,7 @@ def read_quantity(text: str) -> tuple[float, Dimension | None]:
     Raises:
         QuantityError: if the text is not a number and a unit.
     """
-    shown = text if len(text) <= MAX_TEXT else text[:40] + "..."
+    shown = _short(text)
     if len(text) > MAX_TEXT:
         raise QuantityError(f"cannot read '{shown}' as a quantity")
     number = _NUMBER.match(text)
@@ -157,6 +160,11 @@ def read_quantity(text: str) -> tuple[float, Dimension | None]:
     if not math.isfinite(value):
         raise QuantityError(f"'{shown}' is too large")
     return value, dimension
+
+
+def _short(text: str) -> str:
+    shown = text if len(text) <= MAX_TEXT else text[:40] + "..."
+    return "".join(c if c.isprintable() else "?" for c in shown)
 
 
 def name_of(dimension: Dimension) -> str:

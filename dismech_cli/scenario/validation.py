@@ -57,10 +57,10 @@ def validate(root: Node) -> Scenario:
     }
     raise ProblemsError(
         [
-            Problem(_mark(node, detail["type"]), path, _message(detail, data, path))
+            Problem(_mark(node, detail), path, _message(detail, data, path))
             for path, node, detail in faults
             # A misspelt key is one fault, not an unknown and a missing one.
-            if not (detail["type"] == "missing" and (path[:-1], path[-1]) in misspelt)
+            if not (detail["type"] == "missing" and (path[:-1], path[-1]) in misspelt) and not _echo(detail)
         ]
     )
 
@@ -122,8 +122,20 @@ def _locate(root: Node, loc: tuple[str | int, ...]) -> tuple[KeyPath, Node]:
     return path, node
 
 
-def _mark(node: Node, kind: str) -> Mark:
-    return node.place if kind in ("missing", "extra_forbidden", "string_pattern_mismatch") else point(node)
+def _mark(node: Node, detail: ErrorDetails) -> Mark:
+    if detail["type"] in ("missing", "extra_forbidden") or detail["loc"][-1] == "[key]":
+        return node.place
+    if detail["type"] == "union_tag_invalid":
+        tag = node.child(str(detail["ctx"]["discriminator"]).strip("'"))
+        return tag.mark if tag else point(node)
+    return point(node)
+
+
+def _echo(detail: ErrorDetails) -> bool:
+    """True for a list that pydantic calls too short only because its items are wrong."""
+    if detail["type"] != "too_short" or not isinstance(detail["input"], tuple):
+        return False
+    return len(detail["input"]) >= int(detail["ctx"]["min_length"])
 
 
 def _is(node: Node, key: str, tag: str) -> bool:
@@ -157,8 +169,10 @@ def _message(detail: ErrorDetails, data: Any, path: KeyPath) -> str:
     if kind in _BOUNDS:
         words, key = _BOUNDS[kind]
         return f"must be {words} {context[key]}, got {describe(given)}"
-    if kind in ("string_pattern_mismatch", "string_too_short", "string_too_long"):
-        return f"not a usable name: {describe(given)}; letters, digits, '_' and '-' are"
+    if kind == "string_pattern_mismatch":
+        return f"not a usable name: {describe(given)}; use letters, digits, '_' and '-'"
+    if kind in ("string_too_short", "string_too_long"):
+        return "must not be empty" if kind == "string_too_short" else "text too long"
     return str(detail["msg"])
 
 
@@ -221,5 +235,5 @@ def _below(schema: dict[str, Any], part: str | int) -> list[dict[str, Any]]:
         return [schema["items"]] if "items" in schema else []
     if part in schema.get("properties", {}):
         return [schema["properties"][part]]
-    extra = schema.get("additionalProperties")
-    return [extra] if isinstance(extra, dict) else []
+    named = [*schema.get("patternProperties", {}).values(), schema.get("additionalProperties")]
+    return [extra for extra in named if isinstance(extra, dict)]

@@ -10,7 +10,8 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from .document import KeyPath
-from .law import LawOf
+from .expect import Expectation, measured
+from .law import LawOf, TimeAndValue
 from .quantity import FileReference, Quantity
 from .units import KINDS
 
@@ -59,22 +60,35 @@ def leaves(value: Any, path: KeyPath = (), marks: tuple[Any, ...] = ()) -> Itera
         case None:
             return
         case BaseModel():
+            # Inside a law the quantity is that of the field that holds the law.
+            law = tuple(mark for mark in marks if isinstance(mark, LawOf))
             for name, field in type(value).model_fields.items():
-                child = getattr(value, name)
-                inner = _marks(field)
-                # Inside a law the quantity is that of the field that holds the law.
-                law = tuple(mark for mark in marks if isinstance(mark, LawOf))
-                yield from leaves(child, (*path, field.alias or name), inner + law)
+                here = (*path, field.alias or name)
+                yield from leaves(getattr(value, name), here, _special(value, name) + _marks(field) + law)
         case Mapping() if value:
             for key, child in value.items():
                 yield from leaves(child, (*path, key), marks)
         case tuple() if value:
+            row = _ROW in marks and isinstance(value[0], float)
             for i, child in enumerate(value):
-                yield from leaves(child, (*path, i), marks)
+                yield from leaves(child, (*path, i), (_TIME, *marks) if row and i == 0 else marks)
         case _:
             unit = _unit(marks) if isinstance(value, float) else ""
             file = isinstance(value, str) and any(isinstance(mark, FileReference) for mark in marks)
             yield Leaf(path, value, unit, file)
+
+
+_TIME = Quantity("time")
+_ROW = TimeAndValue()
+
+
+def _special(value: BaseModel, name: str) -> tuple[Any, ...]:
+    """The quantity of a field that depends on another one."""
+    match value:
+        case Expectation() if name == "value":
+            return (Quantity(measured(value.probe, value.reduce)),)
+        case _:
+            return ()
 
 
 def _marks(field: FieldInfo) -> tuple[Any, ...]:
