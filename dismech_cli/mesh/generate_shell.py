@@ -9,7 +9,7 @@ import numpy as np
 
 from ..arrays import FloatArray, IntArray
 from ..errors import MeshError
-from .generate_unstructured import unstructured_sheet
+from .generate_unstructured import smallest_angle, unstructured_sheet
 from .mesh import Mesh
 from .source import check_count
 from .validate import validate
@@ -52,7 +52,11 @@ def sheet(length: float, width: float, divisions: int, pattern: Pattern = Patter
     sides = {"left": x == 0.0, "right": x == length, "bottom": y == 0.0, "top": y == width}
     sides["rim"] = np.logical_or.reduce(list(sides.values()))
     groups = {name: np.flatnonzero(side) for name, side in sides.items()}
-    return validate(Mesh(nodes=nodes, triangles=triangles, node_groups=groups), "sheet")
+    notes: tuple[str, ...] = ()
+    if pattern is Pattern.UNSTRUCTURED:
+        angle = smallest_angle(nodes, triangles)
+        notes = (f"The smallest angle of the unstructured triangles is {angle:.1f} degrees.",)
+    return validate(Mesh(nodes=nodes, triangles=triangles, node_groups=groups, notes=notes), "sheet")
 
 
 def _equilateral(length: float, width: float, divisions: int) -> tuple[FloatArray, IntArray]:

@@ -18,22 +18,7 @@ from .source import Lines, check_count, load_text, parse_float, parse_int
 from .validate import validate
 
 # Keywords that carry appearance only; dropping them cannot change the mechanics.
-_APPEARANCE = frozenset(
-    (
-        "vt",
-        "vn",
-        "s",
-        "mg",
-        "lod",
-        "bevel",
-        "mtllib",
-        "maplib",
-        "usemap",
-        "c_interp",
-        "d_interp",
-        "shadow_obj",
-    )
-)
+_APPEARANCE = frozenset(("vt", "vn", "s", "mg", "lod", "mtllib", "usemap", "maplib", "bevel", "c_interp"))
 
 
 @dataclass(slots=True)

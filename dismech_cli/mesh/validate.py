@@ -70,7 +70,7 @@ def _refuse(bad: BoolArray, rows: IntArray, what: str, why: str, where: str, lin
 def _check_range(mesh: Mesh, where: str, lines: Lines) -> None:
     count = len(mesh.nodes)
     for what, rows, at in (("edge", mesh.edges, lines.edges), ("triangle", mesh.triangles, lines.triangles)):
-        bad: BoolArray = ((rows < 0) | (rows >= count)).any(axis=1)
+        bad = np.asarray(((rows < 0) | (rows >= count)).any(axis=1))
         _refuse(bad, rows, what, f"names a node out of range; the mesh has nodes 1 to {count}", where, at)
 
 
@@ -119,7 +119,12 @@ def _coincident(unit: FloatArray) -> IntArray:
 
     from scipy.spatial import cKDTree
 
-    return cKDTree(unit).query_pairs(LENGTH_TOLERANCE, output_type="ndarray").astype(np.int64)
+    # Two neighbours each, the node itself among them: all pairs could be very many.
+    distance, neighbour = cKDTree(unit).query(unit, k=2, distance_upper_bound=LENGTH_TOLERANCE)
+    close = np.flatnonzero(np.isfinite(np.asarray(distance)[:, 1]))
+    near = np.asarray(neighbour)[close]
+    other = np.where(near[:, 0] == close, near[:, 1], near[:, 0])
+    return np.unique(np.sort(np.stack([close, other], axis=1), axis=1), axis=0)
 
 
 def _check_edges(edges: IntArray, unit: FloatArray, where: str, at: IntArray | None) -> None:
@@ -146,7 +151,7 @@ def _check_triangles(mesh: Mesh, unit: FloatArray, where: str, at: IntArray | No
     ordered = np.sort(half_edges(triangles), axis=1)
     pairs, inverse, counts = np.unique(ordered, axis=0, return_inverse=True, return_counts=True)
     if counts.max() > 2:
-        crowded: BoolArray = (counts[inverse.ravel()] > 2).reshape(-1, 3).any(axis=1)
+        crowded = np.asarray((counts[inverse.ravel()] > 2).reshape(-1, 3).any(axis=1))
         a, b = pairs[np.argmax(counts > 2)] + 1
         why = (
             f"meets more than one other triangle at an edge (such as nodes {a}, {b}): not a manifold surface"

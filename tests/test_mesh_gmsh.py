@@ -1,0 +1,222 @@
+import struct
+from pathlib import Path
+
+import meshio
+import numpy as np
+import pytest
+from numpy.testing import assert_array_equal
+
+from dismech_cli.errors import MeshError
+from dismech_cli.mesh.gmsh import parse_gmsh
+from dismech_cli.mesh.read import read_mesh
+
+# Two triangles with a boundary curve in a group, a free curve as a rope, and sparse node tags.
+MSH41 = """$MeshFormat
+4.1 0 8
+$EndMeshFormat
+$PhysicalNames
+4
+0 7 "tip"
+1 5 "rope"
+1 6 "clamp line"
+2 1 "bell"
+$EndPhysicalNames
+$Entities
+1 3 1 0
+1 0 0 -1 1 7
+1 0 0 0 1 0 0 1 6 0
+2 0 0 -1 0 0 0 2 5 -8 2 1 1
+3 0 0 0 0 0 0 0 0
+1 0 0 0 1 1 0 1 1 1 1
+$EndEntities
+$Nodes
+2 6 1 600
+0 1 0 1
+600
+0 0 -1
+2 1 0 5
+1
+2
+3
+40
+50
+0 0 0
+1 0 0
+1 1 0
+0 1 0
+0 0 -0.5
+$EndNodes
+$Elements
+5 7 1 7
+0 1 15 1
+1 600
+1 1 1 1
+2 1 2
+1 2 1 2
+3 1 50
+4 50 600
+1 3 1 1
+5 2 3
+2 1 2 2
+6 1 2 3
+7 1 3 40
+$EndElements
+"""
+
+MSH22 = """$MeshFormat
+2.2 0 8
+$EndMeshFormat
+$PhysicalNames
+2
+1 5 "rope"
+2 1 "bell"
+$EndPhysicalNames
+$Nodes
+5
+1 0 0 0
+2 1 0 0
+3 1 1 0
+9 0 1 0
+5 0 0 -1
+$EndNodes
+$Elements
+4
+1 1 2 5 1 1 5
+2 2 2 1 1 1 2 3
+3 2 2 1 1 1 3 9
+4 2 2 8 1 1 3 9
+$EndElements
+"""
+
+
+def test_version_41_with_physical_groups() -> None:
+    mesh = parse_gmsh(MSH41.encode(), "bell.msh")
+    assert_array_equal(mesh.nodes[0], [0, 0, -1])
+    assert_array_equal(mesh.triangles, [[1, 2, 3], [1, 3, 4]])
+    assert_array_equal(mesh.edges, [[1, 5], [5, 0]])
+    assert_array_equal(mesh.edge_groups["rope"], [0, 1])
+    assert_array_equal(mesh.edge_groups["curve_8"], [0, 1])
+    assert_array_equal(mesh.triangle_groups["bell"], [0, 1])
+    assert_array_equal(mesh.node_groups["tip"], [0])
+    assert_array_equal(mesh.node_groups["bell"], [1, 2, 3, 4])
+
+
+def test_lines_along_triangles_are_boundaries_not_rods() -> None:
+    mesh = parse_gmsh(MSH41.encode(), "bell.msh")
+    assert "clamp line" not in mesh.edge_groups
+    assert_array_equal(mesh.node_groups["clamp line"], [1, 2])
+    assert mesh.notes == ("2 lines along triangle sides taken as boundaries, not as rods.",)
+
+
+def test_version_22_unites_copies_of_one_element_in_two_groups() -> None:
+    mesh = parse_gmsh(MSH22.encode(), "bell.msh")
+    assert_array_equal(mesh.triangles, [[0, 1, 2], [0, 2, 3]])
+    assert_array_equal(mesh.triangle_groups["bell"], [0, 1])
+    assert_array_equal(mesh.triangle_groups["surface_8"], [1])
+    assert_array_equal(mesh.edges, [[0, 4]])
+    assert_array_equal(mesh.edge_groups["rope"], [0])
+
+
+@pytest.mark.parametrize("binary", [False, True])
+@pytest.mark.parametrize("version", ["gmsh22", "gmsh"])
+def test_files_written_by_meshio(tmp_path: Path, version: str, binary: bool) -> None:
+    rng = np.random.default_rng(0)
+    # Version 4.1 lists nodes by entity: curves come before surfaces.
+    flat = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [2, 0, 0], [2, 1, 0]]
+    points = np.vstack([rng.random((3, 3)) + 5, flat])
+    cells = [
+        ("triangle", [[3, 4, 5], [3, 5, 6]]),
+        ("quad", [[4, 7, 8, 5]]),
+        ("line", [[8, 0], [0, 1], [1, 2]]),
+    ]
+    groups = [np.array([1, 1]), np.array([2]), np.array([3, 3, 3])]
+    names = {"flat": np.array([1, 2]), "square": np.array([2, 2]), "rope": np.array([3, 1])}
+    data = {"gmsh:physical": groups, "gmsh:geometrical": groups}
+    dims = np.array([[1, 3]] * 3 + [[2, 1]] * 4 + [[2, 2]] * 2)
+    path = tmp_path / "part.msh"
+    meshio.write(
+        path,
+        meshio.Mesh(points, cells, cell_data=data, field_data=names, point_data={"gmsh:dim_tags": dims}),
+        file_format=version,
+        binary=binary,
+    )
+    mesh = read_mesh(path)
+    # meshio writes 17 digits or the bytes themselves: nothing is lost.
+    assert_array_equal(mesh.nodes, points)
+    assert_array_equal(mesh.edges, [[8, 0], [0, 1], [1, 2]])
+    assert len(mesh.triangles) == 4
+    assert_array_equal(mesh.triangle_groups["flat"], [0, 1])
+    assert_array_equal(mesh.triangle_groups["square"], [2, 3])
+    assert_array_equal(mesh.edge_groups["rope"], [0, 1, 2])
+    assert_array_equal(mesh.node_groups["square"], [4, 5, 7, 8])
+    assert mesh.notes == ("1 quads split into triangles.",)
+
+
+@pytest.mark.parametrize("version", ["gmsh22", "gmsh"])
+def test_binary_and_text_agree_with_meshio(tmp_path: Path, version: str) -> None:
+    rng = np.random.default_rng(1)
+    source = meshio.Mesh(rng.random((40, 3)), [("line", np.column_stack([np.arange(39), np.arange(1, 40)]))])
+    if version == "gmsh22":
+        zeros = [np.zeros(39, dtype=int)]
+        source.cell_data = {"gmsh:physical": zeros, "gmsh:geometrical": zeros}
+    path = tmp_path / "rod.msh"
+    for binary in (False, True):
+        meshio.write(path, source, file_format=version, binary=binary)
+        theirs, ours = meshio.gmsh.read(path), read_mesh(path)
+        assert_array_equal(ours.nodes, theirs.points)
+        assert_array_equal(ours.edges, theirs.cells_dict["line"])
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("2 6 1 600", "2 1000000000000 1 600", "m.msh:20: 1000000000000 nodes; a mesh may have"),
+        ("2 1 0 5", "2 1 0 900000", "m.msh:25: 900000 numbers announced, 20 follow"),
+        ("2 1 0 5", "2 1 1 5", "m.msh:24: parametric nodes"),
+        ("2 6 1 600", "2 7 1 600", "m.msh:20: 7 nodes announced, 6 found"),
+        ("0 0 -0.5\n", "0 0 abc\n", "m.msh:34: 'abc'; expected a number"),
+        ("4 50 600", "4 50 601", "m.msh:44: element names node 601, which the file does not define"),
+        ("4 50 600", "4 0 600", "m.msh:44: element names node 0, which the file does not define"),
+        ("4 50 600", "4 50 6x0", "m.msh:44: '6x0'; expected a whole number"),
+        ("2 1 2 2", "2 1 9 2", "m.msh:47: higher-order elements; set Mesh.ElementOrder = 1"),
+        ("2 1 2 2", "3 1 4 2", "m.msh:47: solid elements"),
+        ("2 1 2 2", "2 1 99 2", "m.msh:47: unknown gmsh element type 99"),
+        ("3\n40\n", "3\n3\n", "m.msh:33: node number 3 is defined twice"),
+        ("7 1 3 40", "7 1 3 3", r"m.msh:49: triangle 2 \(nodes 2, 4, 4\) has zero area"),
+        ("$EndNodes", "$EndNoodles", "section \\$Nodes is not closed"),
+        ("4.1 0 8", "4.0 0 8", "m.msh:2: gmsh format 4.0; expected 2.2 or 4.1"),
+        ("4.1 0 8", "4.1 0", "m.msh:2: expected the format as in"),
+        ("$MeshFormat", "$MashFormat", "m.msh:1: no \\$MeshFormat section"),
+        ('1 5 "rope"', "1 5 rope", "m.msh:7: physical name; expected: dimension tag"),
+    ],
+)
+def test_errors_name_the_line(old: str, new: str, message: str) -> None:
+    assert old in MSH41
+    with pytest.raises(MeshError, match=message):
+        parse_gmsh(MSH41.replace(old, new, 1).encode(), "m.msh")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("$Nodes\n5", "$Nodes\n1000000000000", "m.msh:10: 1000000000000 nodes; a mesh may have"),
+        ("9 0 1 0", "9.5 0 1 0", "m.msh:14: node number 9.5; expected a whole number"),
+        ("1 1 2 5 1 1 5", "1 1 2 5 1 0 5", "m.msh:19: element names node 0, which the file does not"),
+        ("1 1 2 5 1 1 5", "1 1 -2 5 1 1 5", "m.msh:19: element with -2 tags"),
+        ("4 2 2 8 1 1 3 9", "4 2 2 1 1 1 3 9", r"m.msh:22: triangle 3 .* repeats an earlier triangle"),
+        ("9 0 1 0", "9 0 nan 0", r"m.msh:14: node 4 is at \[0.0, nan, 0.0\]"),
+    ],
+)
+def test_errors_of_version_22_name_the_line(old: str, new: str, message: str) -> None:
+    assert old in MSH22
+    with pytest.raises(MeshError, match=message):
+        parse_gmsh(MSH22.replace(old, new, 1).encode(), "m.msh")
+
+
+def test_binary_sizes_are_checked_before_allocation() -> None:
+    head = b"$MeshFormat\n4.1 1 8\n" + struct.pack("<i", 1) + b"\n$EndMeshFormat\n$Nodes\n"
+    one_block = struct.pack("<4Q", 1, 1000, 1, 1000) + struct.pack("<3iQ", 2, 1, 0, 1 << 60)
+    with pytest.raises(MeshError, match="1152921504606846976 numbers announced"):
+        parse_gmsh(head + one_block + b"$EndNodes\n", "m.msh")
+    with pytest.raises(MeshError, match="other byte order"):
+        parse_gmsh(head.replace(struct.pack("<i", 1), struct.pack(">i", 1)), "m.msh")
