@@ -112,7 +112,9 @@ def compile_expression(text: str) -> Compiled:
             warnings.simplefilter("ignore")
             tree = ast.parse(stripped, mode="eval")
     except SyntaxError as error:
-        raise ExpressionError(indent + max(error.offset or 1, 1), "not a complete expression") from None
+        raise ExpressionError(
+            indent + (error.offset or len(stripped) + 1), "not a complete expression"
+        ) from None
     except (ValueError, RecursionError, MemoryError):
         raise ExpressionError(1, "not an expression") from None
     builder = _Builder(indent)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from decimal import Decimal, InvalidOperation
 from typing import Annotated, Any, Literal, TypeAlias
 
-from pydantic import Field, ValidationInfo, field_serializer, field_validator
+from pydantic import Field, ValidationInfo, WithJsonSchema, field_serializer, field_validator
 
 from .document import describe
 from .probe import Probe, quantity_of
@@ -14,6 +14,8 @@ from .spec import Spec, problem
 from .units import KINDS, QuantityError, read_quantity
 
 Reduction: TypeAlias = Literal["last", "first", "min", "max", "mean", "gain", "span", "period"]
+
+_NUMBER_OR_TEXT = WithJsonSchema({"anyOf": [{"type": "number"}, {"type": "string"}]})
 
 
 class Tolerance(Spec):
@@ -44,14 +46,8 @@ class Expectation(Spec):
     )
     at: Time | None = Field(default=None, description="Time of measurement, in place of `reduce`.")
     after: Time | None = Field(default=None, description="Ignores what was before this time.")
-    value: float = Field(
-        description="Expected value, in the unit of the probe.",
-        json_schema_extra={"anyOf": [{"type": "number"}, {"type": "string"}]},
-    )
-    tolerance: Tolerance = Field(
-        description="`1 %` of the value, or a quantity.",
-        json_schema_extra={"anyOf": [{"type": "number"}, {"type": "string"}]},
-    )
+    value: Annotated[float, _NUMBER_OR_TEXT] = Field(description="Expected value, in the unit of the probe.")
+    tolerance: Annotated[Tolerance, _NUMBER_OR_TEXT] = Field(description="`1 %` of the value, or a quantity.")
     source: str = Field(min_length=1, description="Where the value comes from.")
 
     @field_validator("value", mode="before")

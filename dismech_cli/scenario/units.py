@@ -119,7 +119,7 @@ _TOKEN = re.compile(
     r"|(?P<operator>[*/·])"
     r"|(?P<open>\()"
     r"|(?P<close>\))"
-    r"|(?P<name>[^\W\d_]+|%|°|1(?!\d)))"
+    r"|(?P<name>[A-Za-zµμ]+|%|°|1(?!\d)))"
 )
 
 

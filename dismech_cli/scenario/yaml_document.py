@@ -32,6 +32,10 @@ SCALARS: Final = (
 _LARGEST_INT: Final = 2**63 - 1
 
 
+class _RefusedError(MarkedYAMLError):
+    """Valid YAML that has no place in a scenario."""
+
+
 class _Loader(yaml.SafeLoader):
     """Composes nodes only: every plain scalar stays text until :func:`resolve` reads it."""
 
@@ -41,12 +45,12 @@ class _Loader(yaml.SafeLoader):
     def compose_node(self, parent: yaml.Node | None, index: Any) -> yaml.Node | None:
         event = self.peek_event()  # type: ignore[no-untyped-call]
         if getattr(event, "tag", None) is not None:
-            raise MarkedYAMLError(
+            raise _RefusedError(
                 problem=f"tags such as {event.tag} are not allowed", problem_mark=event.start_mark
             )
         self.depth += 1
         if self.depth > MAX_DEPTH:
-            raise MarkedYAMLError(
+            raise _RefusedError(
                 problem=f"nested deeper than {MAX_DEPTH} levels", problem_mark=event.start_mark
             )
         node = super().compose_node(parent, index)
@@ -86,17 +90,15 @@ def parse_yaml(source: Source) -> Node:
     Raises:
         ProblemsError: with every fault found, each at its place.
     """
-    loader = _Loader(source.text)
     try:
-        root = loader.get_single_node()
+        root = _Loader(source.text).get_single_node()
     except MarkedYAMLError as error:
         raise ProblemsError([Problem(_mark_of(source, error), (), _message(error))]) from None
-    except (ReaderError, ValueError, RecursionError) as error:
+    except (ReaderError, ValueError, OverflowError, RecursionError) as error:
+        # Forbidden characters, and escapes of characters that do not exist.
         position = getattr(error, "position", 0)
         line = source.text.count("\n", 0, position) + 1
         raise ProblemsError([Problem(Mark(source, line, 1), (), "not a readable YAML text")]) from None
-    finally:
-        loader.dispose()
     if root is None:
         raise ProblemsError([Problem(Mark(source, 1, 1), (), "the text is empty")])
     converter = _Converter(source)
@@ -185,6 +187,8 @@ def _mark_of(source: Source, error: MarkedYAMLError) -> Mark:
 
 def _message(error: MarkedYAMLError) -> str:
     problem = error.problem or "not a readable YAML text"
+    if isinstance(error, _RefusedError):
+        return problem
     if "\\t" in problem:
         return "a tab cannot indent YAML; use blanks"
     context = f" {error.context}" if error.context else ""
