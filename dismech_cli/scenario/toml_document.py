@@ -9,7 +9,7 @@ import tomllib
 from bisect import bisect_right
 from typing import Any, Final
 
-from .document import MAX_DEPTH, MAX_NODES, KeyPath, Mark, Node, Source, format_path
+from .document import MAX_DEPTH, MAX_NODES, KeyPath, Mark, Node, Source
 from .problems import Problem, ProblemsError
 
 _BLANK: Final = re.compile(r"(?:[ \t\r\n]|#[^\n]*)*")
@@ -148,7 +148,7 @@ class _Scan:
         while True:
             self._blank()
             match = _STRING.match(self.text, self.at) or _BARE_KEY.match(self.text, self.at)
-            assert match is not None, format_path(())
+            assert match is not None
             name = match[0]
             if name[0] in "\"'":
                 name = tomllib.loads(f"k = {name}")["k"]

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 import re
-from typing import Any, Final
+from typing import Any, Final, NoReturn
 
 import yaml
 from yaml.error import MarkedYAMLError
@@ -101,11 +101,49 @@ def parse_yaml(source: Source) -> Node:
         raise ProblemsError([Problem(Mark(source, line, 1), (), "not a readable YAML text")]) from None
     if root is None:
         raise ProblemsError([Problem(Mark(source, 1, 1), (), "the text is empty")])
+    _Measure(source).node(root)
     converter = _Converter(source)
     tree = converter.node(root, None)
     if converter.problems:
         raise ProblemsError(converter.problems)
     return tree
+
+
+class _Measure:
+    """Counts what aliases expand to before anything is expanded: a short text can mean 1e9 values."""
+
+    def __init__(self, source: Source) -> None:
+        self.source = source
+        self.known: dict[int, tuple[int, int]] = {}
+        self.open: set[int] = set()
+
+    def node(self, raw: yaml.Node) -> tuple[int, int]:
+        """Number of values below ``raw`` with itself, and levels.
+
+        Aliases follow their anchors, so that in document order each is known when it is met.
+        """
+        if isinstance(raw, yaml.ScalarNode):
+            return 1, 1
+        if id(raw) in self.known:
+            return self.known[id(raw)]
+        if id(raw) in self.open:
+            self._stop(raw, "an alias refers to the value that contains it")
+        self.open.add(id(raw))
+        count, height = 1, 0
+        for child in raw.value:
+            value = child[1] if isinstance(child, tuple) else child
+            more, levels = self.node(value)
+            count, height = count + more, max(height, levels)
+        if count > MAX_NODES:
+            self._stop(raw, f"more than {MAX_NODES} values once aliases are expanded")
+        if height >= MAX_DEPTH:
+            self._stop(raw, f"nested deeper than {MAX_DEPTH} levels once aliases are expanded")
+        self.open.discard(id(raw))
+        self.known[id(raw)] = count, height + 1
+        return self.known[id(raw)]
+
+    def _stop(self, raw: yaml.Node, message: str) -> NoReturn:
+        raise ProblemsError([Problem(_mark(self.source, raw), (), message)])
 
 
 class _Converter:
@@ -114,33 +152,19 @@ class _Converter:
     def __init__(self, source: Source) -> None:
         self.source = source
         self.problems: list[Problem] = []
-        self.open: set[int] = set()
-        self.count = 0
 
-    def node(self, raw: yaml.Node, key_mark: Mark | None, depth: int = 0) -> Node:
-        mark = self._mark(raw)
-        self.count += 1
-        if self.count > MAX_NODES:
-            self._stop(mark, f"more than {MAX_NODES} values once aliases are expanded")
-        if depth > MAX_DEPTH:
-            self._stop(mark, f"nested deeper than {MAX_DEPTH} levels once aliases are expanded")
+    def node(self, raw: yaml.Node, key_mark: Mark | None) -> Node:
+        mark = _mark(self.source, raw)
         if isinstance(raw, yaml.ScalarNode):
             return Node(self._scalar(raw, mark), mark, key_mark)
-        if id(raw) in self.open:
-            self._stop(mark, "an alias refers to the value that contains it")
-        self.open.add(id(raw))
         if isinstance(raw, yaml.SequenceNode):
-            items = tuple(self.node(item, None, depth + 1) for item in raw.value)
-            result = Node(items, mark, key_mark)
-        else:
-            result = Node(self._mapping(raw, depth), mark, key_mark)
-        self.open.discard(id(raw))
-        return result
+            return Node(tuple(self.node(item, None) for item in raw.value), mark, key_mark)
+        return Node(self._mapping(raw), mark, key_mark)
 
-    def _mapping(self, raw: yaml.Node, depth: int) -> dict[str, Node]:
+    def _mapping(self, raw: yaml.Node) -> dict[str, Node]:
         entries: dict[str, Node] = {}
         for key, value in raw.value:
-            mark = self._mark(key)
+            mark = _mark(self.source, key)
             if not isinstance(key, yaml.ScalarNode):
                 self.problems.append(Problem(mark, (), "a key must be plain text"))
                 continue
@@ -155,7 +179,7 @@ class _Converter:
                     Problem(mark, (), f"key {key.value!r} appears twice, first on line {first.line}")
                 )
                 continue
-            entries[key.value] = self.node(value, mark, depth + 1)
+            entries[key.value] = self.node(value, mark)
         return entries
 
     def _scalar(self, raw: yaml.ScalarNode, mark: Mark) -> Scalar:
@@ -169,15 +193,11 @@ class _Converter:
             self.problems.append(Problem(mark, (), f"{error}, got {shown}"))
             return 0
 
-    def _mark(self, raw: yaml.Node) -> Mark:
-        start, end = raw.start_mark, raw.end_mark
-        scalar = isinstance(raw, yaml.ScalarNode) and start.line == end.line
-        return Mark(
-            self.source, start.line + 1, start.column + 1, max(end.column - start.column, 1) if scalar else 1
-        )
 
-    def _stop(self, mark: Mark, message: str) -> None:
-        raise ProblemsError([*self.problems, Problem(mark, (), message)])
+def _mark(source: Source, raw: yaml.Node) -> Mark:
+    start, end = raw.start_mark, raw.end_mark
+    scalar = isinstance(raw, yaml.ScalarNode) and start.line == end.line
+    return Mark(source, start.line + 1, start.column + 1, max(end.column - start.column, 1) if scalar else 1)
 
 
 def _mark_of(source: Source, error: MarkedYAMLError) -> Mark:
