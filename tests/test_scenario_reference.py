@@ -48,6 +48,15 @@ def test_json_schema_carries_bounds_and_units() -> None:
     assert modulus["anyOf"] == [{"type": "number", "exclusiveMinimum": 0}, {"type": "string"}]
 
 
+def test_json_schema_takes_the_short_forms() -> None:
+    definitions = json_schema()["$defs"]
+    assert {"type": "string"} in definitions["Clamp"]["properties"]["where"]["anyOf"]
+    assert definitions["Expectation"]["properties"]["tolerance"]["anyOf"] == [
+        {"type": "number"},
+        {"type": "string"},
+    ]
+
+
 def test_committed_reference_is_up_to_date() -> None:
     page = Path(__file__).parent.parent / "docs" / "scenario.md"
     assert page.read_text(encoding="utf-8") == markdown_reference()

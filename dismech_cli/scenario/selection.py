@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Annotated, Any, TypeAlias
 
 from annotated_types import Len
-from pydantic import Field, Strict, Tag, model_validator
+from pydantic import Field, GetJsonSchemaHandler, Strict, Tag, model_validator
+from pydantic.json_schema import JsonSchemaValue
+from pydantic_core import CoreSchema
 
 from .quantity import DirectionTriple, Index, LengthTriple, Name, PositiveLength
 from .spec import Spec, exactly_one, problem, tag, told_by_key
@@ -106,6 +109,16 @@ class NearestSelection(Spec):
     nearest: LengthTriple = Field(description="The point.")
 
 
+@dataclass(frozen=True, slots=True)
+class _TextToo:
+    """Tells editors that text is taken as well: the name of a group."""
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        return {"anyOf": [{"type": "string"}, handler(schema)]}
+
+
 Selection: TypeAlias = Annotated[
     Annotated[GroupSelection, Tag(tag("group"))]
     | Annotated[NodeSelection, Tag(tag("nodes"))]
@@ -115,5 +128,6 @@ Selection: TypeAlias = Annotated[
     | Annotated[SphereSelection, Tag(tag("sphere"))]
     | Annotated[NearestSelection, Tag(tag("nearest"))],
     told_by_key("group", "nodes", "edges", "box", "plane", "sphere", "nearest", scalar=tag("group")),
+    _TextToo(),
 ]
 SelectionPair: TypeAlias = Annotated[tuple[Selection, ...], Len(2, 2), Strict(False)]
