@@ -164,4 +164,4 @@ def test_after_repair_every_hinge_is_crossed_in_both_directions() -> None:
 
 def test_too_many_nodes_are_refused() -> None:
     nodes = np.broadcast_to(np.zeros(3), (6_000_000, 3))
-    _refused(Mesh(nodes=nodes, edges=np.array([[0, 1]])), "6000000 nodes; a mesh may have 0 to 5000000")
+    _refused(Mesh(nodes=nodes, edges=np.array([[0, 1]])), "6000000 nodes; a mesh may have 0 to 2000000")

@@ -214,21 +214,24 @@ def _polyline(points: ArrayLike, nodes: int | None, spacing: float | None, close
     _check_nodes(len(corners), 3 if closed else 2, where)
     if nodes is not None and spacing is not None:
         raise MeshError(f"{where}: both nodes and spacing are given; expected one of them")
-    if nodes is None and spacing is None:
-        return _curve(corners, closed, where)
-
     path = np.concatenate([corners, corners[:1]]) if closed else corners
     length = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))])
     if spacing is not None:
-        _check_positive(spacing, "spacing", where)
-        cells = length[-1] / spacing
-        if not cells < 1e15:
-            raise MeshError(f"{where}: spacing {spacing:g} m over a length of {length[-1]:g} m")
-        nodes = max(round(cells) + (0 if closed else 1), 3 if closed else 2)
-    assert nodes is not None
+        nodes = _node_count(float(length[-1]), spacing, closed, where)
+    if nodes is None:
+        return _curve(corners, closed, where)
     _check_nodes(nodes, 3 if closed else 2, where)
     at = np.linspace(0.0, length[-1], nodes, endpoint=not closed)
     return _curve(np.stack([np.interp(at, length, path[:, k]) for k in range(3)], axis=1), closed, where)
+
+
+def _node_count(length: float, spacing: float, closed: bool, where: str) -> int:
+    """Return the number of nodes whose spacing comes nearest to the one asked for."""
+    _check_positive(spacing, "spacing", where)
+    cells = length / spacing
+    if not cells < 1e15:
+        raise MeshError(f"{where}: spacing {spacing:g} m over a length of {length:g} m")
+    return max(round(cells), 3) if closed else max(round(cells), 1) + 1
 
 
 def _curve(points: FloatArray, closed: bool, where: str) -> Mesh:

@@ -9,10 +9,10 @@ from pathlib import Path
 from ..arrays import IntArray
 from ..errors import MeshError
 
-MAX_FILE_BYTES = 1 << 29
-"""Largest mesh file that is opened [bytes]: 512 MiB, about ten million nodes."""
+MAX_FILE_BYTES = 1 << 27
+"""Largest mesh file that is opened [bytes]: 128 MiB, about two million nodes."""
 
-MAX_COUNT = 5_000_000
+MAX_COUNT = 2_000_000
 """Largest number of nodes, edges or triangles of one mesh."""
 
 MAX_COORDINATE = 1e12
