@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from ..arrays import FloatArray
 from ..errors import MeshError
 from .mesh import Mesh
-from .source import check_count, load_text, parse_float
+from .source import MAX_COORDINATE, check_count, load_text, parse_float
 from .validate import validate
 
 Handedness = Literal["left", "right"]
@@ -115,7 +115,7 @@ def helix(
     _check_nodes(nodes, 2, where)
     for value, name in ((radius, "radius"), (turns, "turns")):
         _check_positive(value, name, where)
-    if not (np.isfinite(pitch) and np.isfinite(phase)):
+    if not (abs(pitch) <= MAX_COORDINATE and abs(phase) <= MAX_COORDINATE):
         raise MeshError(f"{where}: pitch {pitch}, phase {phase}; expected finite numbers")
     if handedness not in ("left", "right"):
         raise MeshError(f"{where}: handedness {handedness!r}; expected left or right")
@@ -207,7 +207,7 @@ def _column(column: str | int | None, header: list[str], where: str) -> int | No
 
 def _polyline(points: ArrayLike, nodes: int | None, spacing: float | None, closed: bool, where: str) -> Mesh:
     corners = np.asarray(points, dtype=np.float64)
-    if corners.ndim != 2 or corners.shape[1] != 3 or not np.isfinite(corners).all():
+    if corners.ndim != 2 or corners.shape[1] != 3 or not (np.abs(corners) <= MAX_COORDINATE).all():
         raise MeshError(f"{where}: points of shape {corners.shape}; expected finite rows of x, y, z")
     if closed and len(corners) > 1 and (corners[0] == corners[-1]).all():
         corners = corners[:-1]
@@ -246,7 +246,7 @@ def _curve(points: FloatArray, closed: bool, where: str) -> Mesh:
 
 def _vector(value: ArrayLike, name: str, where: str) -> FloatArray:
     vector = np.asarray(value, dtype=np.float64)
-    if vector.shape != (3,) or not np.isfinite(vector).all():
+    if vector.shape != (3,) or not (np.abs(vector) <= MAX_COORDINATE).all():
         raise MeshError(f"{where}: {name} {value!r}; expected three finite numbers")
     return vector
 
@@ -260,7 +260,7 @@ def _unit(vector: FloatArray, name: str, where: str) -> FloatArray:
 
 
 def _check_positive(value: float, name: str, where: str) -> None:
-    if not (np.isfinite(value) and value > 0.0):
+    if not 0.0 < value <= MAX_COORDINATE:
         raise MeshError(f"{where}: {name} {value}; expected a positive number")
 
 

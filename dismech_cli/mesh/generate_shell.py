@@ -11,7 +11,7 @@ from ..arrays import FloatArray, IntArray
 from ..errors import MeshError
 from .generate_unstructured import smallest_angle, unstructured_sheet
 from .mesh import Mesh
-from .source import check_count
+from .source import MAX_COORDINATE, check_count
 from .validate import validate
 
 
@@ -275,7 +275,7 @@ def _between(inner: int, outer: int, low: int, high: int) -> IntArray:
 
 def _check_sizes(where: str, **sizes: float) -> None:
     for name, value in sizes.items():
-        if not (np.isfinite(value) and value > 0.0):
+        if not 0.0 < value <= MAX_COORDINATE:
             raise MeshError(f"{where}: {name} {value}; expected a positive number")
 
 

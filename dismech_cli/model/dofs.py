@@ -16,16 +16,18 @@ class DofMap:
     """Maps nodes and edges to DOFs, and back to words.
 
     Attributes:
-        n_nodes: Nodes with position DOFs, anchors of clamps included.
+        n_nodes: Nodes with position DOFs, the walls behind clamps included.
         n_angles: Edges that carry an angle theta; 0 unless rods are framed.
         axes: Space axes that the model carries: (0, 1, 2), or the two of the plane.
-        visible: Nodes that the user knows of; anchors come after them.
+        visible: Nodes that the user knows of; the walls behind clamps come after them.
+        hidden: Coordinate of all nodes normal to the plane of a planar scene [m].
     """
 
     n_nodes: int
     n_angles: int
     axes: tuple[int, ...]
     visible: int
+    hidden: float = 0.0
 
     @property
     def dimension(self) -> int:
@@ -53,6 +55,12 @@ class DofMap:
     def positions(self, q: FloatArray) -> FloatArray:
         """Node part of ``q`` as an array of shape (n_nodes, dimension); a view."""
         return q[: self.n_positions].reshape(self.n_nodes, self.dimension)
+
+    def space_positions(self, q: FloatArray) -> FloatArray:
+        """Node positions in space [m], shape (n_nodes, 3)."""
+        out = np.full((self.n_nodes, 3), self.hidden)
+        out[:, self.axes] = self.positions(q)
+        return out
 
     def embed(self, values: FloatArray) -> FloatArray:
         """Turn nodal vectors of shape (k, dimension) into space vectors (k, 3)."""

@@ -47,9 +47,7 @@ class Driver(Protocol):
 
     name: str
 
-    def stencil(
-        self, kernel: Kernel, dofs: IntArray, auxiliaries: IntArray, pattern: Pattern
-    ) -> StencilLoop:
+    def stencil(self, kernel: Kernel, dofs: IntArray, auxiliaries: IntArray, pattern: Pattern) -> StencilLoop:
         """Loop of an energy kernel over stencils (S, D) with auxiliary inputs (S, A)."""
 
     def drag(self, kernel: DragKernel, dofs: IntArray, pattern: Pattern) -> DragLoop:

@@ -132,8 +132,10 @@ class RodFrames:
         """Frames of the rest shape: rule or user's director, reference twist against zero."""
         e = q[self.heads] - q[self.tails]
         tangent = e / np.sqrt((e * e).sum(axis=0))
-        director = _space_parallel(tangent.T, self.directors)
-        return FrameState(tangent, director, self._reference_twist(tangent, director, np.zeros(len(self.joint_edges))))
+        director = np.ascontiguousarray(space_parallel(tangent.T, self.directors).T)
+        return FrameState(
+            tangent, director, self._reference_twist(tangent, director, np.zeros(len(self.joint_edges)))
+        )
 
     def transport(self, stored: FrameState, q: FloatArray) -> TrialFrames:
         """Frames at ``q``, parallel-transported from the stored ones."""
@@ -146,9 +148,7 @@ class RodFrames:
         out = self.driver.map(edge_frame, inputs, 12)
         tangent, director = out[6:9], out[9:12]
         beta = self._reference_twist(tangent, director, stored.reference_twist)
-        return TrialFrames(
-            FrameState(tangent, director, beta), np.concatenate((out[0:6].reshape(-1), beta))
-        )
+        return TrialFrames(FrameState(tangent, director, beta), np.concatenate((out[0:6].reshape(-1), beta)))
 
     def _reference_twist(self, tangent: FloatArray, director: FloatArray, stored: FloatArray) -> FloatArray:
         e, f = self.joint_edges[:, 0], self.joint_edges[:, 1]
@@ -161,10 +161,17 @@ class RodFrames:
         return self.driver.map(joint_reference_twist, inputs, 1)[0]
 
 
-def _space_parallel(tangents: FloatArray, given: FloatArray) -> FloatArray:
-    """First directors at rest, shape (3, E): parallel transport along the edge order.
+def space_parallel(tangents: FloatArray, given: FloatArray) -> FloatArray:
+    """First directors at rest: parallel transport along the edge order.
 
     The start is t x y (t x -z where that vanishes); a row of ``given`` restarts the transport.
+
+    Args:
+        tangents: Unit tangents, shape (E, 3).
+        given: Directors to start from, NaN rows where there is none, shape (E, 3).
+
+    Returns:
+        Unit directors normal to the tangents, shape (E, 3).
     """
     out = np.empty_like(tangents)
     previous: tuple[FloatArray, FloatArray] | None = None
@@ -181,4 +188,4 @@ def _space_parallel(tangents: FloatArray, given: FloatArray) -> FloatArray:
             a = a0 if np.linalg.norm(np.cross(t0, t)) < 1e-10 else np.array(parallel_transport(a0, t0, t))
         out[i] = orthonormal_to(a, t)
         previous = (t, out[i])
-    return np.ascontiguousarray(out.T)
+    return out

@@ -29,9 +29,7 @@ def rod_mass(
     Returns:
         Nodal masses [kg] on positions, rotary inertias [kg m^2] on angles.
     """
-    nodal = np.bincount(
-        edges.reshape(-1), np.repeat(0.5 * lengths * per_length, 2), minlength=dofs.n_nodes
-    )
+    nodal = np.bincount(edges.reshape(-1), np.repeat(0.5 * lengths * per_length, 2), minlength=dofs.n_nodes)
     mass = np.zeros(dofs.n)
     mass[: dofs.n_positions] = np.repeat(nodal, dofs.dimension)
     mass[dofs.n_positions :] = (lengths * polar)[: dofs.n_angles]

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from ..arrays import FloatArray
 from .dofs import DofMap
 from .driver import Driver
 from .frames import Frames
 from .motion import Motion
-from .stencil import StencilEnergy
 from .term import Term
 
 
@@ -37,11 +35,3 @@ class Model:
     frames: Frames
     driver: Driver
     length: float
-
-    def with_terms(self, terms: Mapping[str, Term]) -> Model:
-        """Return the model with the named terms replaced."""
-        return replace(self, terms=tuple(terms.get(t.name, t) for t in self.terms))
-
-    def energies(self) -> tuple[StencilEnergy, ...]:
-        """Elastic energies in order."""
-        return tuple(t for t in self.terms if isinstance(t, StencilEnergy))

@@ -134,7 +134,13 @@ class NumbaStencilLoop:
             np.ascontiguousarray(x, dtype=np.int64)
             for x in (dofs[:, tails], dofs[:, heads], dofs[:, angles], auxiliaries)
         )
-        shape = (d * len(kernel.vectors), kernel.angles, kernel.reduced, kernel.auxiliaries, kernel.parameters)
+        shape = (
+            d * len(kernel.vectors),
+            kernel.angles,
+            kernel.reduced,
+            kernel.auxiliaries,
+            kernel.parameters,
+        )
         self._energies, self._residual, self._linearization = _stencil_loops(kernel.function, shape)
         i, j = kernel.local_pairs
         slots = np.ascontiguousarray(pattern.symmetric_slots(dofs[:, i], dofs[:, j]))
@@ -273,9 +279,7 @@ class NumbaDriver:
 
     name: str = "numba"
 
-    def stencil(
-        self, kernel: Kernel, dofs: IntArray, auxiliaries: IntArray, pattern: Pattern
-    ) -> StencilLoop:
+    def stencil(self, kernel: Kernel, dofs: IntArray, auxiliaries: IntArray, pattern: Pattern) -> StencilLoop:
         """Loop of an energy kernel."""
         return NumbaStencilLoop(kernel, dofs, auxiliaries, pattern)
 

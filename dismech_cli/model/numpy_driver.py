@@ -50,8 +50,12 @@ class NumpyStencilLoop:
         self._kernel = kernel
         count = len(dofs)
         split = kernel.dimension * len(kernel.vectors)
-        tails = np.array([t * kernel.dimension + i for t, _ in kernel.vectors for i in range(kernel.dimension)])
-        heads = np.array([h * kernel.dimension + i for _, h in kernel.vectors for i in range(kernel.dimension)])
+        tails = np.array(
+            [t * kernel.dimension + i for t, _ in kernel.vectors for i in range(kernel.dimension)]
+        )
+        heads = np.array(
+            [h * kernel.dimension + i for _, h in kernel.vectors for i in range(kernel.dimension)]
+        )
         angles = kernel.dimension * kernel.nodes + np.arange(kernel.angles)
         self._tails = np.ascontiguousarray(dofs[:, tails].T)
         self._heads = np.ascontiguousarray(dofs[:, heads].T)
@@ -170,9 +174,7 @@ class NumpyDriver:
 
     name: str = "numpy"
 
-    def stencil(
-        self, kernel: Kernel, dofs: IntArray, auxiliaries: IntArray, pattern: Pattern
-    ) -> StencilLoop:
+    def stencil(self, kernel: Kernel, dofs: IntArray, auxiliaries: IntArray, pattern: Pattern) -> StencilLoop:
         """Loop of an energy kernel."""
         return NumpyStencilLoop(kernel, dofs, auxiliaries, pattern)
 

@@ -91,7 +91,9 @@ def rectangular_section(width: float, thickness: float, torsion: float | None = 
     )
 
 
-def rod_properties(section: Section, youngs_modulus: float, poisson_ratio: float, density: float) -> RodProperties:
+def rod_properties(
+    section: Section, youngs_modulus: float, poisson_ratio: float, density: float
+) -> RodProperties:
     """Stiffness and inertia of a homogeneous rod.
 
     Args:

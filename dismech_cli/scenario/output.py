@@ -12,7 +12,7 @@ from .quantity import Name, PositiveTime
 from .spec import Spec, problem
 
 FieldName: TypeAlias = Literal[
-    "velocity", "curvature", "twist", "axial_strain", "axial_force", "bending_moment", "director"
+    "positions", "velocity", "curvature", "twist", "axial_strain", "axial_force", "bending_moment", "director"
 ]
 WriterName: TypeAlias = Literal["hdf5", "vtu", "csv"]
 Pixels: TypeAlias = Annotated[int, Field(ge=16, le=8192)]
@@ -47,7 +47,7 @@ class Output(Spec):
         default=None, description="Time between frames; default: t_end / 100, and every step of a static run."
     )
     fields: Annotated[tuple[FieldName, ...], Strict(False)] = Field(
-        default=("velocity",), description="Fields in every frame, beside the positions."
+        default=("velocity",), description="Fields in every frame; `positions` are always there."
     )
     writers: Annotated[tuple[WriterName, ...], Len(1, 3), Strict(False)] = Field(
         default=("hdf5", "csv"), description="File formats."

@@ -189,9 +189,7 @@ class SuperLuSolver:
         order = np.lexsort((rows, columns))
         self._source = source[order]
         indptr = np.searchsorted(columns[order], np.arange(pattern.m + 1))
-        self._matrix = csc_matrix(
-            (np.zeros(len(order)), rows[order], indptr), shape=(pattern.m, pattern.m)
-        )
+        self._matrix = csc_matrix((np.zeros(len(order)), rows[order], indptr), shape=(pattern.m, pattern.m))
         self._symmetric = pattern.symmetric
 
     def factorize(self, values: FloatArray) -> None:

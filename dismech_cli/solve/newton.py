@@ -62,7 +62,12 @@ class NewtonResult:
 
 
 def solve_stage(
-    system: System, solver: LinearSolver, stage: Stage, guess: FloatArray, stored: FrameState, settings: NewtonSettings
+    system: System,
+    solver: LinearSolver,
+    stage: Stage,
+    guess: FloatArray,
+    stored: FrameState,
+    settings: NewtonSettings,
 ) -> NewtonResult:
     """Solve one stage from ``guess`` (prescribed values already in place)."""
     with np.errstate(all="ignore"):
@@ -71,12 +76,22 @@ def solve_stage(
             return result
         retry = _line_search(system, solver, stage, guess, stored, settings)
     return NewtonResult(
-        retry.q, retry.residual, retry.status, result.iterations + retry.iterations, retry.residual_norm, retry.worst
+        retry.q,
+        retry.residual,
+        retry.status,
+        result.iterations + retry.iterations,
+        retry.residual_norm,
+        retry.worst,
     )
 
 
 def _full_steps(
-    system: System, solver: LinearSolver, stage: Stage, guess: FloatArray, stored: FrameState, settings: NewtonSettings
+    system: System,
+    solver: LinearSolver,
+    stage: Stage,
+    guess: FloatArray,
+    stored: FrameState,
+    settings: NewtonSettings,
 ) -> NewtonResult:
     q = guess.copy()
     free = system.pattern.free
@@ -110,7 +125,12 @@ def _full_steps(
 
 
 def _line_search(
-    system: System, solver: LinearSolver, stage: Stage, guess: FloatArray, stored: FrameState, settings: NewtonSettings
+    system: System,
+    solver: LinearSolver,
+    stage: Stage,
+    guess: FloatArray,
+    stored: FrameState,
+    settings: NewtonSettings,
 ) -> NewtonResult:
     """Newton with descent directions on the stage's potential and Armijo backtracking.
 
@@ -193,7 +213,9 @@ def _small(balance: Balance, system: System, tolerance: float, floor: float) -> 
     force = r[at_node].max(initial=0.0)
     moment = r[~at_node].max(initial=0.0)
     largest_moment = max(balance.moment, balance.force * length)
-    return bool(force <= tolerance * balance.force + floor and moment <= tolerance * largest_moment + floor * length)
+    return bool(
+        force <= tolerance * balance.force + floor and moment <= tolerance * largest_moment + floor * length
+    )
 
 
 def _done(q: FloatArray, residual: FloatArray, free: IntArray, iterations: int) -> NewtonResult:

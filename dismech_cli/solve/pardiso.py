@@ -139,12 +139,30 @@ class _Handle:
 
     def _call(self, phase: int, b: FloatArray | None = None, x: FloatArray | None = None) -> int:
         return _pardiso(
-            self._memory, self._iparm, self._kind, self._m, phase, self._values, self._rows, self._columns, b, x
+            self._memory,
+            self._iparm,
+            self._kind,
+            self._m,
+            phase,
+            self._values,
+            self._rows,
+            self._columns,
+            b,
+            x,
         )
 
 
 def _pardiso(
-    memory: Any, iparm: Any, kind: int, m: int, phase: int, values: Any, rows: Any, columns: Any, b: Any, x: Any
+    memory: Any,
+    iparm: Any,
+    kind: int,
+    m: int,
+    phase: int,
+    values: Any,
+    rows: Any,
+    columns: Any,
+    b: Any,
+    x: Any,
 ) -> int:
     """Call the Fortran-style entry point; return PARDISO's error code."""
 

@@ -6,11 +6,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..arrays import FloatArray
+from ..arrays import BoolArray, FloatArray
 from ..model.model import Model
 from ..model.motion import held_dofs, prescribe
 from ..model.state import State
-from ..model.term import BoundTerm
 from .inertia import negative_eigenvalues
 from .integrators import Integrator, Stage, Weights
 from .linear import LinearSolver
@@ -72,23 +71,28 @@ class Stepper:
         return State(t, q, v, np.zeros_like(q), self.model.frames.rest(q))
 
     def prepare(self, state: State) -> State:
-        """Bind to the DOFs that are free from ``state`` on; make its acceleration consistent."""
+        """Bind to the DOFs that are free from ``state`` on.
+
+        At the start and where a motion lets go the acceleration jumps: it is made consistent with
+        the balance of forces.
+        """
         held = held_dofs(self.model.motions, self.model.dofs.n, state.t)
         if not np.array_equal(held, self._held):
-            changed = self._held.size > 0
             self._held = held
             self.system = System(self.model, ~held)
             name = choose_solver(self.system.pattern) if self._wanted == "auto" else self._wanted
             self.solver = LINEAR_SOLVERS[name]()
             self.solver.analyze(self.system.pattern)
             self.analyses += 1
-            if self.integrator.needs_acceleration and (changed or not state.a.any()):
-                return replace(state, a=self._consistent_acceleration(state))
+        jumps = state.t == 0.0 or any(state.t == motion.release for motion in self.model.motions)
+        if self.integrator.needs_acceleration and jumps:
+            return replace(state, a=self._consistent_acceleration(state))
         return state
 
-    def actuate(self, name: str, term: BoundTerm) -> None:
-        """Exchange a bound term; the pattern stays."""
-        self.system.replace_term(name, term)
+    @property
+    def held(self) -> BoolArray:
+        """Mask of the DOFs held in the current step, shape (n,)."""
+        return self._held
 
     def step(self, start: State, dt: float) -> StepResult:
         """Advance ``start`` (already prepared) by ``dt``."""
@@ -104,9 +108,7 @@ class Stepper:
                     start, result.status, iterations, result.residual_norm, result.residual, result.worst
                 )
             latest = self._accept(stage, latest, result.q)
-        return StepResult(
-            latest, Status.CONVERGED, iterations, result.residual_norm, result.residual, -1
-        )
+        return StepResult(latest, Status.CONVERGED, iterations, result.residual_norm, result.residual, -1)
 
     def negative_eigenvalues(self, state: State) -> int:
         """Negative eigenvalues of the stiffness matrix at a static state."""

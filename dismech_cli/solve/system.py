@@ -56,13 +56,6 @@ class System:
         """Every bound term."""
         return (*self._symmetric, *self._general)
 
-    def replace_term(self, name: str, term: BoundTerm) -> None:
-        """Exchange a bound term by name: actuation changes natural strains, not the pattern."""
-        for terms in (self._symmetric, self._general):
-            for i, old in enumerate(terms):
-                if old.name == name:
-                    terms[i] = term
-
     def configuration(self, stage: Stage, q: FloatArray, stored: FrameState) -> Configuration:
         """Evaluate the trial point of a stage."""
         position = stage.position(q)

@@ -1,0 +1,161 @@
+"""From a validated scenario to a simulation ready to step."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arrays import FloatArray, IntArray
+from ..model.mass import rod_mass
+from ..model.model import Model
+from ..run.account import Roles
+from ..run.clock import time_grid
+from ..run.observe import scalar_columns
+from ..run.simulation import Simulation
+from ..scenario.csv_table import read_columns
+from ..scenario.load import LoadedScenario
+from ..scenario.motion import VelocityFile
+from ..scenario.numerics import Static
+from ..solve.newton import NewtonSettings
+from .actuation import build_elastic
+from .fields import Scene, build_fields, build_topology
+from .forces import build_forces
+from .geometry import Geometry, assemble_geometry, weld_joints
+from .holds import resolve_holds
+from .laws import dynamic_laws, static_laws
+from .motions import build_motions, initial_velocity
+from .numerics import build_driver, build_integrator
+from .plan import Plan, make_plan
+from .probes import build_probe
+from .rods import build_rods, make_skeleton
+from .selection import select_nodes
+
+
+@dataclass(frozen=True, slots=True)
+class Built:
+    """A simulation and the plan it follows."""
+
+    simulation: Simulation
+    plan: Plan
+    geometry: Geometry
+
+
+def build(loaded: LoadedScenario, kernels: str | None = None) -> Built:
+    """Build everything; steps nothing.
+
+    Args:
+        loaded: The scenario.
+        kernels: Overrides the plan's choice of kernels: a resumed run keeps those it had.
+
+    Raises:
+        ScenarioError: The scenario cannot be built; the message points to the key.
+    """
+    scenario = loaded.scenario
+    static = isinstance(scenario.numerics.integrator, Static)
+    laws = (static_laws if static else dynamic_laws)(loaded.directory)
+    geometry = weld_joints(loaded, assemble_geometry(loaded))
+    holds = resolve_holds(loaded, geometry, laws)
+    plan = make_plan(loaded, geometry, holds, kernels)
+    driver = build_driver(plan.kernels)
+    skeleton = make_skeleton(geometry, holds)
+    rods = build_rods(loaded, geometry, plan, skeleton, driver)
+    elastic = build_elastic(loaded, geometry, plan, skeleton, rods, laws)
+    forces = build_forces(loaded, geometry, rods, laws)
+    real = skeleton.rest_lengths[: len(geometry.edges)]
+    mass = np.zeros(rods.dofs.n)
+    if not plan.static:
+        mass = rod_mass(
+            rods.dofs,
+            geometry.edges,
+            real,
+            geometry.per_edge("mass_per_length"),
+            geometry.per_edge("polar_per_length"),
+        )
+    model = Model(
+        dofs=rods.dofs,
+        rest=rods.rest,
+        mass=mass,
+        terms=(*elastic, *forces.all),
+        motions=build_motions(loaded, holds, skeleton, rods),
+        frames=rods.frames,
+        driver=driver,
+        length=float(np.median(real)),
+    )
+    scene = Scene(geometry, plan, skeleton, rods)
+    fields = build_fields(loaded, scene)
+    probes = {
+        name: build_probe(loaded, geometry, skeleton, rods, probe, ("output", "probes", name))
+        for name, probe in scenario.output.probes.items()
+    }
+    watched = {
+        name: build_probe(loaded, geometry, skeleton, rods, e.probe, ("expect", name, "probe"))
+        for name, e in scenario.expect.items()
+    }
+    roles = Roles(
+        elastic=tuple(t.name for t in elastic),
+        gravitational=tuple(t.name for t in forces.gravitational),
+        loads=tuple(t.name for t in forces.loads),
+        dissipative=tuple(t.name for t in forces.dissipative),
+    )
+    grid, every = _times(loaded)
+    simulation = Simulation(
+        name=scenario.name,
+        model=model,
+        roles=roles,
+        integrator=build_integrator(scenario.numerics.integrator),
+        newton=NewtonSettings(scenario.numerics.newton.tolerance, scenario.numerics.newton.max_iterations),
+        linear_solver=scenario.numerics.linear_solver,
+        grid=grid,
+        frame_every=every,
+        max_cuts=scenario.numerics.step.max_cuts,
+        initial_velocity=initial_velocity(loaded, _velocities(loaded, geometry), rods),
+        topology=build_topology(scene, fields, scalar_columns(roles, probes)),
+        fields=fields,
+        probes=probes,
+        watched=watched,
+        places=_places(geometry),
+    )
+    return Built(simulation, plan, geometry)
+
+
+def _times(loaded: LoadedScenario) -> tuple[FloatArray, float]:
+    """Nominal times of the run and the time between frames."""
+    scenario = loaded.scenario
+    numerics = scenario.numerics
+    if isinstance(numerics.integrator, Static):
+        return time_grid(1.0 / numerics.integrator.load_steps, 1.0), scenario.output.every or 0.0
+    assert numerics.dt is not None
+    assert numerics.t_end is not None
+    releases = tuple(m.release for m in scenario.motions if m.release is not None)
+    return time_grid(numerics.dt, numerics.t_end, releases), scenario.output.every or numerics.t_end / 100.0
+
+
+def _velocities(loaded: LoadedScenario, geometry: Geometry) -> list[tuple[IntArray, FloatArray]]:
+    out = []
+    for index, entry in enumerate(loaded.scenario.initial_velocity):
+        path = ("initial_velocity", index)
+        nodes = select_nodes(loaded, geometry, entry.where, (*path, "where"))
+        if isinstance(entry.velocity, VelocityFile):
+            values = np.stack(
+                read_columns(loaded.directory / entry.velocity.file, entry.velocity.columns), axis=1
+            )
+            if len(values) != len(nodes):
+                raise loaded.error(
+                    (*path, "velocity"), f"the file has {len(values)} rows for {len(nodes)} selected nodes"
+                )
+            out.append((nodes, values))
+        else:
+            out.append((nodes, np.tile(entry.velocity, (len(nodes), 1))))
+    return out
+
+
+def _places(geometry: Geometry) -> tuple[str, ...]:
+    """Rod and number of every node."""
+    words = [""] * len(geometry.nodes)
+    for rod in geometry.rods:
+        for number, node in enumerate(geometry.rod_nodes[rod.name]):
+            words[node] = (
+                words[node] or f"rod '{rod.name}', node {number} of {len(geometry.rod_nodes[rod.name])}"
+            )
+    return tuple(words)

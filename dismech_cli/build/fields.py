@@ -1,0 +1,122 @@
+"""Output fields of the scenario, and the topology that writers need."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..output.frame import FieldSpec, Topology
+from ..run import fields as made
+from ..scenario.load import LoadedScenario
+from .geometry import Geometry
+from .plan import Bending, Plan
+from .rods import PLANAR_AXIS, RodSystem, Skeleton
+
+
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """What field makers may look at."""
+
+    geometry: Geometry
+    plan: Plan
+    skeleton: Skeleton
+    rods: RodSystem
+
+
+def build_fields(loaded: LoadedScenario, scene: Scene) -> tuple[made.Field, ...]:
+    """The fields asked for; positions are part of every frame anyway."""
+    return tuple(FIELDS[name](scene) for name in loaded.scenario.output.fields if name != "positions")
+
+
+def build_topology(scene: Scene, fields: tuple[made.Field, ...], scalars: dict[str, str]) -> Topology:
+    """What writers need to know once."""
+    geometry = scene.geometry
+    n = scene.rods.dofs.n
+    return Topology(
+        rest_positions=geometry.nodes,
+        edges=geometry.edges,
+        triangles=np.empty((0, 3), dtype=np.int64),
+        edge_radius=geometry.per_edge("radius"),
+        triangle_thickness=np.empty(0),
+        bodies=tuple(rod.name for rod in geometry.rods),
+        edge_body=geometry.edge_rod,
+        triangle_body=np.empty(0, dtype=np.int64),
+        fields=tuple(field.spec for field in fields),
+        state={"q": ((n,), "m, rad"), "v": ((n,), "m/s, rad/s")},
+        scalars=scalars,
+    )
+
+
+def _velocity(scene: Scene) -> made.Field:
+    return made.VelocityField(len(scene.geometry.nodes))
+
+
+def _curvature(scene: Scene) -> made.Field:
+    joints = scene.skeleton.joints
+    return made.CurvatureField(len(scene.geometry.nodes), joints.triples, joints.voronoi)
+
+
+def _twist(scene: Scene) -> made.Field:
+    joints, dofs = scene.skeleton.joints, scene.rods.dofs
+    if scene.plan.bending is not Bending.FRAMED:
+        # a planar rod has no twist: an empty list of joints reports zero everywhere
+        empty = np.empty((0, 2), dtype=np.int64)
+        return made.TwistField(len(scene.geometry.nodes), empty[:, 0], np.empty(0), empty, np.empty((0, 2)))
+    return made.TwistField(
+        len(scene.geometry.nodes),
+        joints.triples[:, 1],
+        joints.voronoi,
+        dofs.of_angles(joints.pairs),
+        joints.signs,
+    )
+
+
+def _axial_strain(scene: Scene) -> made.Field:
+    edges = scene.geometry.edges
+    spec = FieldSpec(
+        name="axial_strain", unit="1", long_name="axial strain from the rest length", location="cell"
+    )
+    zero, one = np.zeros(len(edges)), np.ones(len(edges))
+    return made.AxialField(edges, scene.skeleton.rest_lengths[: len(edges)], zero, one, spec)
+
+
+def _axial_force(scene: Scene) -> made.Field:
+    edges = scene.geometry.edges
+    spec = FieldSpec(name="axial_force", unit="N", long_name="axial force, tension positive", location="cell")
+    natural, stiffness, rest = scene.rods.stretch.parameters
+    return made.AxialField(edges, rest, natural, stiffness, spec)
+
+
+def _bending_moment(scene: Scene) -> made.Field:
+    joints, rods = scene.skeleton.joints, scene.rods
+    measure: made.Curvatures
+    if scene.plan.bending is Bending.FRAMED:
+        assert rods.bending is not None
+        measure = made.MaterialCurvatures(
+            joints.triples, rods.bending_stiffness, rods.bending.natural, rods.auxiliary_indices, joints.signs
+        )
+    elif scene.plan.bending is Bending.PLANAR and rods.bending is not None:
+        natural, stiffness, _ = rods.bending.parameters
+        normal = np.array(PLANAR_AXIS[scene.plan.axes])
+        measure = made.BinormalCurvatures(joints.triples, stiffness, natural, normal)
+    else:
+        stiffness = rods.bending_stiffness[0]
+        measure = made.BinormalCurvatures(joints.triples, stiffness, np.zeros_like(stiffness), None)
+    return made.MomentField(len(scene.geometry.nodes), joints.triples, joints.voronoi, measure)
+
+
+def _director(scene: Scene) -> made.Field:
+    return made.DirectorField(len(scene.geometry.edges))
+
+
+FIELDS: dict[str, Callable[[Scene], made.Field]] = {
+    "velocity": _velocity,
+    "curvature": _curvature,
+    "twist": _twist,
+    "axial_strain": _axial_strain,
+    "axial_force": _axial_force,
+    "bending_moment": _bending_moment,
+    "director": _director,
+}

@@ -1,0 +1,205 @@
+"""Forces of the scenario as terms of the model."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arrays import FloatArray, IntArray
+from ..forces.gravity import buoyancy, weight
+from ..forces.load import DeadLoad
+from ..forces.moment import EdgeMoment
+from ..forces.resistive import resistive_force
+from ..forces.viscous import ViscousDamping
+from ..model.laws import Law
+from ..model.mass import nodal_lengths
+from ..model.term import Term
+from ..scenario.force import Buoyancy, Distributed, Gravity, Moment, Point, Resistive, Viscous
+from ..scenario.load import LoadedScenario
+from .geometry import Geometry
+from .laws import ToLaw, components, vanishes
+from .rods import RodSystem
+from .selection import select_nodes
+
+
+@dataclass(frozen=True, slots=True)
+class Forces:
+    """Force terms, sorted by their place in the energy account.
+
+    Attributes:
+        gravitational: Weight and buoyancy: conservative, counted as potential energy.
+        loads: Loads whose work is counted as external.
+        dissipative: Forces that take energy out.
+    """
+
+    gravitational: tuple[DeadLoad, ...]
+    loads: tuple[Term, ...]
+    dissipative: tuple[Term, ...]
+
+    @property
+    def all(self) -> tuple[Term, ...]:
+        """Every force."""
+        return (*self.gravitational, *self.loads, *self.dissipative)
+
+
+def build_forces(loaded: LoadedScenario, geometry: Geometry, rods: RodSystem, laws: ToLaw) -> Forces:
+    """Make the force terms.
+
+    Raises:
+        ScenarioError: A selection is empty or a force leaves the plane of a planar scene.
+    """
+    gravitational: list[DeadLoad] = []
+    loads: list[Term] = []
+    dissipative: list[Term] = []
+    dofs = rods.dofs
+    gravities = [
+        (index, components(force.acceleration, laws))
+        for index, force in enumerate(loaded.scenario.forces)
+        if isinstance(force, Gravity)
+    ]
+    for index, force in enumerate(loaded.scenario.forces):
+        name = f"{force.type}[{index}]"
+        match force:
+            case Gravity():
+                mass = _nodal(geometry, dofs.n_nodes, geometry.per_edge("mass_per_length"))
+                vector = components(force.acceleration, laws)
+                path = (index, "acceleration")
+                gravitational += _loads(
+                    loaded, rods, name, path, vector, lambda g, m=mass: weight(dofs, m, g)
+                )
+            case Buoyancy():
+                volume = _nodal(geometry, dofs.n_nodes, geometry.per_edge("area"))
+                for number, vector in gravities:
+                    lift = lambda g, w=volume, f=force: buoyancy(dofs, w, f.fluid_density, g)  # noqa: E731
+                    gravitational += _loads(
+                        loaded, rods, f"{name} in gravity[{number}]", (index,), vector, lift
+                    )
+            case Point():
+                nodes = select_nodes(loaded, geometry, force.where, ("forces", index, "where"))
+                ones = np.bincount(nodes, minlength=dofs.n_nodes).astype(np.float64)
+                vector = components(force.force, laws)
+                loads += _loads(
+                    loaded, rods, name, (index, "force"), vector, lambda f, m=ones: weight(dofs, m, f)
+                )
+            case Distributed():
+                length = _nodal(geometry, dofs.n_nodes, _selected(geometry, force.rods))
+                vector = components(force.force_per_length, laws)
+                loads += _loads(
+                    loaded,
+                    rods,
+                    name,
+                    (index, "force_per_length"),
+                    vector,
+                    lambda f, m=length: weight(dofs, m, f),
+                )
+            case Moment():
+                nodes = select_nodes(loaded, geometry, force.where, ("forces", index, "where"))
+                loads += _moments(loaded, geometry, rods, name, index, nodes, components(force.moment, laws))
+            case Viscous():
+                length = _nodal(geometry, dofs.n_nodes, _selected(geometry, force.rods))
+                damped = np.flatnonzero(length)
+                dissipative.append(
+                    ViscousDamping(
+                        name,
+                        dofs.of_nodes(damped).reshape(-1),
+                        np.repeat(force.coefficient * length[damped], dofs.dimension),
+                    )
+                )
+            case Resistive():
+                wet = np.flatnonzero(_selected(geometry, force.rods))
+                dissipative.append(
+                    resistive_force(
+                        name,
+                        dofs,
+                        geometry.edges[wet],
+                        _lengths(geometry)[wet],
+                        force.tangential,
+                        force.normal,
+                    )
+                )
+    return Forces(tuple(gravitational), tuple(loads), tuple(dissipative))
+
+
+def _lengths(geometry: Geometry) -> FloatArray:
+    e = geometry.nodes[geometry.edges[:, 1]] - geometry.nodes[geometry.edges[:, 0]]
+    return np.linalg.norm(e, axis=1)
+
+
+def _nodal(geometry: Geometry, n_nodes: int, per_length: FloatArray) -> FloatArray:
+    """Nodal sums of a density per rest length, shape (n_nodes,); walls get nothing."""
+    return nodal_lengths(n_nodes, geometry.edges, _lengths(geometry) * per_length)
+
+
+def _selected(geometry: Geometry, names: Sequence[str] | None) -> FloatArray:
+    """1 on the edges of the named rods (all by default), 0 elsewhere, shape (E,)."""
+    chosen = np.array([names is None or rod.name in names for rod in geometry.rods])
+    return chosen[geometry.edge_rod].astype(np.float64)
+
+
+def _loads(
+    loaded: LoadedScenario,
+    rods: RodSystem,
+    name: str,
+    path: tuple[str | int, ...],
+    vector: tuple[Law, ...],
+    force: Callable[[FloatArray], FloatArray],
+) -> Iterator[DeadLoad]:
+    """One dead load per component that does not vanish."""
+    for axis, law in _components(loaded, rods, path, vector):
+        unit = np.zeros(3)
+        unit[axis] = 1.0
+        yield DeadLoad(f"{name}.{'xyz'[axis]}", force(unit), law)
+
+
+def _components(
+    loaded: LoadedScenario, rods: RodSystem, path: tuple[str | int, ...], vector: tuple[Law, ...]
+) -> Iterator[tuple[int, Law]]:
+    for axis, law in enumerate(vector):
+        if vanishes(law):
+            continue
+        if axis not in rods.dofs.axes:
+            raise loaded.error(
+                ("forces", *path), f"has a part in {'xyz'[axis]}, out of the plane of the scene"
+            )
+        yield axis, law
+
+
+def _moments(
+    loaded: LoadedScenario,
+    geometry: Geometry,
+    rods: RodSystem,
+    name: str,
+    index: int,
+    nodes: IntArray,
+    vector: tuple[Law, ...],
+) -> Iterator[EdgeMoment]:
+    """Moments on nodes, shared equally by the edges at each node."""
+    dofs = rods.dofs
+    degree = np.bincount(geometry.edges.reshape(-1), minlength=len(geometry.nodes))
+    share = np.zeros(len(geometry.edges))
+    for side in (0, 1):
+        at = np.isin(geometry.edges[:, side], nodes)
+        share[at] += 1.0 / degree[geometry.edges[at, side]]
+    edges = np.flatnonzero(share)
+    angles = dofs.of_angles(edges) if dofs.n_angles else np.empty(0, dtype=np.int64)
+    for axis, law in enumerate(vector):
+        if vanishes(law):
+            continue
+        # a planar scene turns about its normal only
+        if dofs.dimension == 2 and axis in dofs.axes:
+            raise loaded.error(
+                ("forces", index, "moment"), f"turns about {'xyz'[axis]}, out of the plane of the scene"
+            )
+        moments = np.zeros((len(edges), 3))
+        moments[:, axis] = share[edges]
+        yield EdgeMoment(
+            f"{name}.{'xyz'[axis]}",
+            dofs.of_nodes(geometry.edges[edges, 0]),
+            dofs.of_nodes(geometry.edges[edges, 1]),
+            angles,
+            dofs.axes,
+            moments,
+            law,
+        )

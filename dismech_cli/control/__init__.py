@@ -1,1 +1,0 @@
-"""Time laws that drive natural strains."""

@@ -1,0 +1,127 @@
+"""The energy account of a run: what came in, what went out, what is stored.
+
+Stored energies are measured when asked for; work is summed over every step. The error is what the
+time integrator made or lost: kinetic + elastic + gravitational - initial - work + dissipation.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arrays import FloatArray
+from ..model.configuration import Configuration
+from ..model.driven import BoundDriven
+from ..model.model import Model
+from ..model.state import State
+from ..model.term import BoundEnergy, BoundTerm
+
+
+@dataclass(frozen=True, slots=True)
+class Roles:
+    """Names of the terms by their place in the account."""
+
+    elastic: tuple[str, ...]
+    gravitational: tuple[str, ...]
+    loads: tuple[str, ...]
+    dissipative: tuple[str, ...]
+
+
+class EnergyAccount:
+    """Sums work over steps; measures stored energies on demand."""
+
+    columns = ("external_work", "actuation_work", "dissipation", "initial")
+
+    def __init__(self, model: Model, roles: Roles) -> None:
+        self._model = model
+        self._roles = roles
+        self._bound: Mapping[str, BoundTerm] = {}
+        self.sums = dict.fromkeys(self.columns, 0.0)
+
+    def bind(self, terms: Sequence[BoundTerm]) -> None:
+        """Use these bound terms from now on."""
+        self._bound = {term.name: term for term in terms}
+        self._driven = [t for t in terms if isinstance(t, BoundDriven)]
+
+    def start(self, state: State) -> None:
+        """Take the stored energy of ``state`` as the zero of the account."""
+        self.sums["initial"] = 0.0
+        self.sums["initial"] = self.measure(state)["error"]
+
+    def advance(self, before: State, after: State, residual: FloatArray, held: FloatArray) -> None:
+        """Book the work of one step.
+
+        Args:
+            before: State at its start.
+            after: State at its end.
+            residual: M a + r of the last solve, shape (n,).
+            held: Mask of held DOFs, shape (n,).
+        """
+        moved = after.q - before.q
+        work = float(residual[held] @ moved[held]) if held.any() else 0.0
+        if self._roles.loads or self._roles.dissipative:
+            middle = self._middle(before, after)
+            work -= self._work(self._roles.loads, middle, moved)
+            self.sums["dissipation"] += self._work(self._roles.dissipative, middle, moved)
+        self.sums["external_work"] += work
+        self._book_drives(before, after)
+        self._book_gravity_change(before, after)
+
+    def measure(self, state: State) -> Mapping[str, float]:
+        """All entries of the account at ``state`` [J]."""
+        c = self._at(state, state.t)
+        entries = {"kinetic": 0.5 * float(self._model.mass @ (state.v * state.v))}
+        entries["elastic"] = 0.0
+        for name in self._roles.elastic:
+            entries[name] = self._energy(name, c)
+            entries["elastic"] += entries[name]
+        entries["gravitational"] = sum(self._energy(name, c) for name in self._roles.gravitational)
+        entries["total"] = entries["kinetic"] + entries["elastic"] + entries["gravitational"]
+        s = self.sums
+        entries["external_work"] = s["external_work"] + s["actuation_work"]
+        entries["dissipation"] = s["dissipation"]
+        entries["error"] = entries["total"] - s["initial"] - entries["external_work"] + s["dissipation"]
+        return entries
+
+    def _middle(self, before: State, after: State) -> Configuration:
+        """The mean state of a step, where work is measured with second-order accuracy."""
+        q = 0.5 * (before.q + after.q)
+        v = (after.q - before.q) / (after.t - before.t)
+        return Configuration(0.5 * (before.t + after.t), q, v, self._model.frames.transport(before.frames, q))
+
+    def _work(self, names: tuple[str, ...], c: Configuration, moved: FloatArray) -> float:
+        """Residual of the named terms times displacement [J]: the work done against them."""
+        r = np.zeros_like(moved)
+        for name in names:
+            self._bound[name].add_residual(c, r)
+        return float(r @ moved)
+
+    def _book_drives(self, before: State, after: State) -> None:
+        """Work of actuators: change of elastic energy by natural strain at fixed shape."""
+        for term in self._driven:
+            change = 0.0
+            for state in (before, after):
+                late, early = self._at(state, after.t), self._at(state, before.t)
+                change += 0.5 * float(term.energy(late).sum() - term.energy(early).sum())
+            self.sums["actuation_work"] += change
+
+    def _book_gravity_change(self, before: State, after: State) -> None:
+        """Work of a gravity that changes in time: change of potential at fixed position."""
+        for name in self._roles.gravitational:
+            change = 0.0
+            for state in (before, after):
+                change += 0.5 * (
+                    self._energy(name, self._at(state, after.t))
+                    - self._energy(name, self._at(state, before.t))
+                )
+            self.sums["external_work"] += change
+
+    def _at(self, state: State, t: float) -> Configuration:
+        return Configuration(t, state.q, state.v, self._model.frames.transport(state.frames, state.q))
+
+    def _energy(self, name: str, c: Configuration) -> float:
+        term = self._bound[name]
+        assert isinstance(term, BoundEnergy)
+        return float(term.energy(c).sum())

@@ -1,0 +1,77 @@
+"""The time grid of a run, with steps halved after a failure and regrown after success.
+
+Nominal times are multiples of dt (and the times at which a motion is released), so output never
+changes the steps and rounding never accumulates. Inside a nominal step, halving gives dyadic
+fractions; two successes at one level bring back the level above.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..arrays import FloatArray
+
+
+def time_grid(dt: float, t_end: float, events: tuple[float, ...] = ()) -> FloatArray:
+    """Nominal times [s] from 0 to ``t_end``, shape (steps + 1,)."""
+    steps = max(int(np.ceil(t_end / dt * (1.0 - 1e-12))), 1)
+    times = np.arange(steps + 1) * dt
+    times[-1] = t_end
+    inside = np.array(sorted({t for t in events if 0.0 < t < t_end}))
+    if inside.size:
+        # an event next to a multiple of dt takes its place
+        nearest = inside[np.clip(np.searchsorted(inside, times), 0, len(inside) - 1)]
+        before = inside[np.clip(np.searchsorted(inside, times) - 1, 0, len(inside) - 1)]
+        gap = np.minimum(np.abs(nearest - times), np.abs(before - times))
+        gap[[0, -1]] = np.inf
+        times = np.union1d(times[gap > 1e-9 * dt], inside)
+    return times
+
+
+@dataclass(frozen=True, slots=True)
+class Clock:
+    """Where a run stands on its grid; frozen.
+
+    Attributes:
+        index: Nominal step in progress: from ``grid[index]`` to ``grid[index + 1]``.
+        part: Numerator of the fraction of it that is done.
+        level: The fraction's denominator is 2**level.
+    """
+
+    index: int = 0
+    part: int = 0
+    level: int = 0
+
+    def now(self, grid: FloatArray) -> float:
+        """Time [s] at the start of the next step."""
+        return self._time(grid, self.part)
+
+    def target(self, grid: FloatArray) -> float:
+        """Time [s] at the end of the next step."""
+        return self._time(grid, self.part + 1)
+
+    def done(self, grid: FloatArray) -> bool:
+        """Whether the end of the grid is reached."""
+        return self.index >= len(grid) - 1
+
+    def succeeded(self) -> Clock:
+        """The clock after an accepted step."""
+        part, level = self.part + 1, self.level
+        while level > 0 and part % 2 == 0:
+            part, level = part // 2, level - 1
+        if part >= 2**level and level == 0:
+            # the next nominal step starts one level coarser than this one ended
+            return Clock(self.index + 1, 0, max(self.level - 1, 0))
+        return replace(self, part=part, level=level)
+
+    def failed(self) -> Clock:
+        """The clock with the next step halved."""
+        return replace(self, part=2 * self.part, level=self.level + 1)
+
+    def _time(self, grid: FloatArray, part: int) -> float:
+        start, end = float(grid[self.index]), float(grid[self.index + 1])
+        if part == 2**self.level:
+            return end
+        return start + (end - start) * part / 2**self.level

@@ -1,0 +1,48 @@
+"""What to tell when the solver gives up: what, where, when, the last steps, what to do."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from ..solve.status import Status
+from ..solve.step import StepResult
+from .simulation import Simulation
+
+
+@dataclass(frozen=True, slots=True)
+class StepRecord:
+    """One attempted step."""
+
+    t: float
+    dt: float
+    iterations: int
+    residual: float
+    status: Status
+
+
+def describe_failure(
+    simulation: Simulation, t: float, dt: float, result: StepResult, last: Sequence[StepRecord]
+) -> str:
+    """Several lines that a user can act on."""
+    lines = [
+        f"the solver gave up at t = {t:.6g} s with dt = {dt:.3g} s: {result.status.name.lower().replace('_', ' ')}",
+        f"  largest residual {result.residual_norm:.3g} N at {_where(simulation, result.worst)}",
+        "  last steps (t, dt, Newton iterations, residual):",
+    ]
+    lines += [
+        f"    {r.t:.6g} s  {r.dt:.3g} s  {r.iterations:3d}  {r.residual:.3g} N  {r.status.name.lower()}"
+        for r in last
+    ]
+    lines.append(f"  advice: {result.status.advice}")
+    return "\n".join(lines)
+
+
+def _where(simulation: Simulation, dof: int) -> str:
+    dofs = simulation.model.dofs
+    if dof < 0:
+        return "no degree of freedom"
+    text = dofs.describe(dof)
+    if dof < dofs.n_positions and dof // dofs.dimension < dofs.visible:
+        return f"{text} ({simulation.places[dof // dofs.dimension]})"
+    return text

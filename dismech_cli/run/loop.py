@@ -1,0 +1,294 @@
+"""The run: step, watch, write; cut steps that fail, stop when asked, resume where it stopped."""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from enum import Enum
+from typing import Protocol
+
+import numpy as np
+
+from ..arrays import FloatArray
+from ..model.frames import FrameState
+from ..model.state import State
+from ..output.frame import Frame
+from ..solve.status import Status
+from ..solve.step import StepResult, Stepper
+from .account import EnergyAccount
+from .clock import Clock
+from .failure import StepRecord, describe_failure
+from .interrupt import StopRequest
+from .observe import Observer
+from .simulation import Simulation
+
+Arrays = Mapping[str, FloatArray]
+
+
+class End(Enum):
+    """How a run ended."""
+
+    DONE = "done"
+    FAILED = "failed"
+    INTERRUPTED = "interrupted"
+
+
+@dataclass(frozen=True, slots=True)
+class Progress:
+    """Where a run stands, for the progress display."""
+
+    t: float
+    t_end: float
+    dt: float
+    steps: int
+    iterations: int
+
+
+class Sink(Protocol):
+    """Receives what a run produces."""
+
+    def frame(self, frame: Frame) -> None:
+        """Store a frame."""
+
+    def event(self, kind: str, t: float, **details: object) -> None:
+        """Note something that happened."""
+
+    def checkpoint(self, arrays: Arrays, numbers: Mapping[str, int | float]) -> None:
+        """Store what :func:`run` needs to go on."""
+
+    def progress(self, progress: Progress) -> None:
+        """Tell the user."""
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """When to pause a run.
+
+    Attributes:
+        checkpoint_every: Wall time between checkpoints [s].
+        wall: Wall time after which the run stops with a checkpoint [s].
+        until: Simulated time at which it stops with a checkpoint [s].
+    """
+
+    checkpoint_every: float = 60.0
+    wall: float = float("inf")
+    until: float = float("inf")
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """Result of a run.
+
+    Attributes:
+        end: How it ended.
+        message: One or more lines for the user; empty when done.
+        state: Last accepted state.
+        counters: Steps, iterations, cuts, frames.
+        seconds: Wall time by phase [s].
+        times: Times of the watched values [s].
+        watched: Values of the watched probes after every step.
+    """
+
+    end: End
+    message: str
+    state: State
+    counters: Mapping[str, int]
+    seconds: Mapping[str, float]
+    times: FloatArray
+    watched: Mapping[str, FloatArray]
+
+
+@dataclass
+class _Counters:
+    steps: int = 0
+    iterations: int = 0
+    cuts: int = 0
+    frames: int = 0
+    analyses: int = 0
+
+
+@dataclass
+class _Loop:
+    """Mutable bookkeeping of one run."""
+
+    simulation: Simulation
+    stepper: Stepper
+    account: EnergyAccount
+    observer: Observer
+    sink: Sink
+    clock: Clock = field(default_factory=Clock)
+    counters: _Counters = field(default_factory=_Counters)
+    seconds: dict[str, float] = field(
+        default_factory=lambda: dict.fromkeys(("solve", "observe", "write"), 0.0)
+    )
+    since_frame: int = 0
+    wall_before: float = 0.0
+    began: float = field(default_factory=time.monotonic)
+
+    @property
+    def wall(self) -> float:
+        return self.wall_before + time.monotonic() - self.began
+
+
+def run(
+    simulation: Simulation,
+    sink: Sink,
+    *,
+    limits: Limits = Limits(),  # noqa: B008 - frozen
+    stop: StopRequest | None = None,
+    resume_from: tuple[Arrays, Mapping[str, int | float]] | None = None,
+    announce: Callable[[str], None] = lambda text: None,
+) -> Outcome:
+    """Run a simulation to its end, a failure or an interruption.
+
+    Args:
+        simulation: What to run.
+        sink: Where results go.
+        limits: When to pause.
+        stop: Set by signals.
+        resume_from: A checkpoint to go on from.
+        announce: Told once which solver was chosen.
+    """
+    stepper = Stepper(simulation.model, simulation.integrator, simulation.newton, simulation.linear_solver)
+    account = EnergyAccount(simulation.model, simulation.roles)
+    loop = _Loop(simulation, stepper, account, Observer(simulation, stepper, account), sink)
+    if resume_from is None:
+        state = stepper.prepare(stepper.rest_state(simulation.initial_velocity))
+        account.bind(stepper.system.terms)
+        account.start(state)
+        _emit(loop, state, _at_rest(state), 0.0)
+    else:
+        state = _restore(loop, *resume_from)
+    announce(f"linear solver: {stepper.solver.name}, {stepper.system.pattern.m} free DOFs")
+    return _advance(loop, state, limits, stop or StopRequest())
+
+
+def _advance(loop: _Loop, state: State, limits: Limits, stop: StopRequest) -> Outcome:
+    grid, last = loop.simulation.grid, deque[StepRecord](maxlen=5)
+    saved = time.monotonic()
+    while not loop.clock.done(grid):
+        now, target = loop.clock.now(grid), loop.clock.target(grid)
+        tick = time.perf_counter()
+        analyses = loop.stepper.analyses
+        state = loop.stepper.prepare(state)
+        if loop.stepper.analyses != analyses:
+            loop.account.bind(loop.stepper.system.terms)
+        result = loop.stepper.step(state, target - now)
+        loop.seconds["solve"] += time.perf_counter() - tick
+        last.append(StepRecord(target, target - now, result.iterations, result.residual_norm, result.status))
+        loop.counters.iterations += result.iterations
+        loop.since_frame += result.iterations
+        if result.status is not Status.CONVERGED:
+            if loop.clock.level >= loop.simulation.max_cuts:
+                message = describe_failure(loop.simulation, target, target - now, result, tuple(last))
+                loop.sink.event("failed", now, message=message)
+                return _outcome(loop, state, End.FAILED, message)
+            loop.clock = loop.clock.failed()
+            loop.counters.cuts += 1
+            loop.sink.event("step_cut", now, dt=target - now, status=result.status.name)
+            continue
+        after = replace(result.state, t=target)
+        loop.account.advance(state, after, result.residual, loop.stepper.held)
+        state = after
+        loop.clock = loop.clock.succeeded()
+        loop.counters.steps += 1
+        _emit(loop, state, result, target - now)
+        loop.sink.progress(
+            Progress(state.t, float(grid[-1]), target - now, loop.counters.steps, loop.counters.iterations)
+        )
+        if _pause(loop, state, limits, stop):
+            return _outcome(loop, state, End.INTERRUPTED, _why(loop, limits, stop))
+        if time.monotonic() - saved >= limits.checkpoint_every:
+            _checkpoint(loop, state)
+            saved = time.monotonic()
+    _checkpoint(loop, state)
+    return _outcome(loop, state, End.DONE, "")
+
+
+def _pause(loop: _Loop, state: State, limits: Limits, stop: StopRequest) -> bool:
+    if loop.clock.done(loop.simulation.grid):
+        return False
+    return stop.requested or loop.wall >= limits.wall or state.t >= limits.until
+
+
+def _why(loop: _Loop, limits: Limits, stop: StopRequest) -> str:
+    if stop.requested:
+        return "interrupted"
+    return "the wall-clock limit is reached" if loop.wall >= limits.wall else "the time asked for is reached"
+
+
+def _outcome(loop: _Loop, state: State, end: End, message: str) -> Outcome:
+    if end is not End.DONE:
+        _checkpoint(loop, state)
+    loop.counters.analyses = loop.stepper.analyses
+    return Outcome(
+        end,
+        message,
+        state,
+        vars(loop.counters),
+        loop.seconds | {"total": loop.wall},
+        np.array(loop.observer.times),
+        {name: np.array(values) for name, values in loop.observer.watched.items()},
+    )
+
+
+def _at_rest(state: State) -> StepResult:
+    return StepResult(state, Status.CONVERGED, 0, 0.0, np.zeros_like(state.q), -1)
+
+
+def _emit(loop: _Loop, state: State, result: StepResult, dt: float) -> None:
+    """Watch every state; write a frame when one is due."""
+    tick = time.perf_counter()
+    snapshot = loop.observer.snapshot(state, result.residual)
+    loop.observer.watch(snapshot)
+    due = loop.counters.frames * loop.simulation.frame_every
+    grid = loop.simulation.grid
+    at_end = loop.clock.done(grid)
+    if state.t < due * (1.0 - 1e-12) and not at_end:
+        loop.seconds["observe"] += time.perf_counter() - tick
+        return
+    frame = loop.observer.frame(
+        loop.counters.frames, snapshot, dt, loop.since_frame, result.residual_norm, loop.wall
+    )
+    tock = time.perf_counter()
+    loop.seconds["observe"] += tock - tick
+    loop.sink.frame(frame)
+    loop.seconds["write"] += time.perf_counter() - tock
+    loop.counters.frames += 1
+    loop.since_frame = 0
+
+
+def _checkpoint(loop: _Loop, state: State) -> None:
+    observer = loop.observer
+    arrays = {
+        "q": state.q,
+        "v": state.v,
+        "a": state.a,
+        "tangent": state.frames.tangent,
+        "director": state.frames.director,
+        "reference_twist": state.frames.reference_twist,
+        "watch.t": np.array(observer.times),
+    }
+    arrays |= {f"watch.{name}": np.array(values) for name, values in observer.watched.items()}
+    numbers: dict[str, int | float] = {"t": state.t, "since_frame": loop.since_frame, "wall": loop.wall}
+    numbers |= {f"clock.{k}": getattr(loop.clock, k) for k in ("index", "part", "level")}
+    numbers |= {f"count.{k}": v for k, v in vars(loop.counters).items()}
+    numbers |= {f"account.{k}": v for k, v in loop.account.sums.items()}
+    loop.sink.checkpoint(arrays, numbers)
+
+
+def _restore(loop: _Loop, arrays: Arrays, numbers: Mapping[str, int | float]) -> State:
+    frames = FrameState(arrays["tangent"], arrays["director"], arrays["reference_twist"])
+    state = State(float(numbers["t"]), arrays["q"], arrays["v"], arrays["a"], frames)
+    loop.clock = Clock(*(int(numbers[f"clock.{k}"]) for k in ("index", "part", "level")))
+    for k in vars(loop.counters):
+        setattr(loop.counters, k, int(numbers[f"count.{k}"]))
+    loop.account.sums |= {k: float(numbers[f"account.{k}"]) for k in loop.account.sums}
+    loop.since_frame, loop.wall_before = int(numbers["since_frame"]), float(numbers["wall"])
+    loop.observer.times = arrays["watch.t"].tolist()
+    loop.observer.watched = {name: arrays[f"watch.{name}"].tolist() for name in loop.observer.watched}
+    state = loop.stepper.prepare(state)
+    loop.account.bind(loop.stepper.system.terms)
+    return state

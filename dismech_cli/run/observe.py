@@ -1,0 +1,85 @@
+"""Turns accepted states into frames and watched values; computes nothing that is not asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+from ..arrays import FloatArray
+from ..model.state import State
+from ..output.frame import Frame
+from ..solve.step import Stepper
+from .account import EnergyAccount, Roles
+from .probes import Probe
+from .simulation import Simulation
+from .snapshot import Snapshot
+
+ENERGY_COLUMNS = (
+    "kinetic",
+    "elastic",
+    "gravitational",
+    "external_work",
+    "dissipation",
+    "error",
+)
+
+
+def scalar_columns(roles: Roles, probes: Mapping[str, Probe]) -> dict[str, str]:
+    """Names and units of the scalar table, in order."""
+    columns = {"dt": "s", "newton_iterations": "1", "residual": "N"}
+    columns |= dict.fromkeys(ENERGY_COLUMNS[:2], "J")
+    columns |= {f"elastic_{name}": "J" for name in roles.elastic}
+    columns |= dict.fromkeys(ENERGY_COLUMNS[2:], "J")
+    columns |= {"max_speed": "m/s", "wall": "s"}
+    return columns | {name: probe.unit for name, probe in probes.items()}
+
+
+class Observer:
+    """Looks at the states of one run."""
+
+    def __init__(self, simulation: Simulation, stepper: Stepper, account: EnergyAccount) -> None:
+        self._simulation = simulation
+        self._stepper = stepper
+        self._account = account
+        self.times: list[float] = []
+        self.watched: dict[str, list[float]] = {name: [] for name in simulation.watched}
+
+    def snapshot(self, state: State, residual: FloatArray) -> Snapshot:
+        """Wrap a state."""
+        measure: Callable[[], Mapping[str, float]] = lambda: self._account.measure(state)  # noqa: E731
+        return Snapshot(
+            self._simulation.model,
+            state,
+            residual,
+            measure,
+            lambda: self._stepper.negative_eigenvalues(state),
+        )
+
+    def watch(self, s: Snapshot) -> None:
+        """Record the watched probes."""
+        if self.watched:
+            self.times.append(s.state.t)
+            for name, probe in self._simulation.watched.items():
+                self.watched[name].append(probe(s))
+
+    def frame(
+        self, index: int, s: Snapshot, dt: float, iterations: int, residual_norm: float, wall: float
+    ) -> Frame:
+        """Build a frame."""
+        visible = self._simulation.model.dofs.visible
+        energies = s.energies
+        scalars = {"dt": dt, "newton_iterations": float(iterations), "residual": residual_norm, "wall": wall}
+        scalars |= {name: energies[name] for name in ENERGY_COLUMNS}
+        scalars |= {f"elastic_{name}": energies[name] for name in self._simulation.roles.elastic}
+        scalars["max_speed"] = float((s.velocities[:visible] ** 2).sum(axis=1).max() ** 0.5)
+        scalars |= {name: probe(s) for name, probe in self._simulation.probes.items()}
+        return Frame(
+            index=index,
+            t=s.state.t,
+            positions=s.positions[:visible],
+            fields={field.spec.name: field(s) for field in self._simulation.fields},
+            state=self._state_arrays(s),
+            scalars={name: scalars[name] for name in self._simulation.topology.scalars},
+        )
+
+    def _state_arrays(self, s: Snapshot) -> dict[str, FloatArray]:
+        return {"q": s.state.q, "v": s.state.v}

@@ -1,0 +1,54 @@
+"""Everything a run needs, built without a file."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from ..arrays import FloatArray
+from ..model.model import Model
+from ..output.frame import Topology
+from ..solve.integrators import Integrator
+from ..solve.newton import NewtonSettings
+from .account import Roles
+from .fields import Field
+from .probes import Probe
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Simulation:
+    """A scene ready to step.
+
+    Attributes:
+        name: Name of the scene.
+        model: The semi-discrete system.
+        roles: Place of each term in the energy account.
+        integrator: Time integrator.
+        newton: Newton's stopping rule.
+        linear_solver: Key of the solver table, or ``auto``.
+        grid: Nominal times [s], shape (steps + 1,).
+        frame_every: Time between frames [s].
+        max_cuts: How often a nominal step may be halved.
+        initial_velocity: Velocity at t = 0, shape (n,).
+        topology: What the writers need to know once.
+        fields: Fields of every frame.
+        probes: Extra columns of the scalar table.
+        watched: Probes read after every step, for expectations.
+        places: A word for where each visible node lies: object and arc length.
+    """
+
+    name: str
+    model: Model
+    roles: Roles
+    integrator: Integrator
+    newton: NewtonSettings
+    linear_solver: str
+    grid: FloatArray
+    frame_every: float
+    max_cuts: int
+    initial_velocity: FloatArray
+    topology: Topology
+    fields: tuple[Field, ...]
+    probes: Mapping[str, Probe]
+    watched: Mapping[str, Probe]
+    places: tuple[str, ...]
