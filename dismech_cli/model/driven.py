@@ -1,0 +1,101 @@
+"""Energies whose natural strain follows a law of time: actuation.
+
+The natural strain is a function of the time at which balance is enforced, not a value held over
+the step: so actuated runs keep the order of their integrator, and nothing accumulates.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arrays import FloatArray, IntArray
+from .configuration import Configuration
+from .driver import Driver
+from .laws import Law
+from .stencil import BoundStencil, StencilEnergy
+from .term import Coupling, Linearization, Pattern
+
+
+@dataclass(frozen=True, slots=True)
+class Drive:
+    """An increment of natural strain.
+
+    Attributes:
+        row: Which natural strain of the kernel.
+        stencils: Driven stencils, shape (K,).
+        law: Strain density over time t and place s.
+        places: s of each stencil in [0, 1], shape (K,).
+        factors: What turns the law's value into the kernel's strain: a Voronoi length [m] for
+            curvature and twist, 1 for stretch, shape (K,).
+    """
+
+    row: int
+    stencils: IntArray
+    law: Law
+    places: FloatArray
+    factors: FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class DrivenEnergy:
+    """A stencil energy with drives."""
+
+    energy: StencilEnergy
+    drives: tuple[Drive, ...]
+
+    @property
+    def name(self) -> str:
+        """Name of the energy."""
+        return self.energy.name
+
+    @property
+    def dissipative(self) -> bool:
+        """An energy does not depend on velocity."""
+        return False
+
+    @property
+    def couplings(self) -> tuple[Coupling, ...]:
+        """Those of the energy."""
+        return self.energy.couplings
+
+    def bind(self, pattern: Pattern, driver: Driver) -> BoundDriven:
+        """Bind the energy."""
+        return BoundDriven(self.energy.bind(pattern, driver), self.energy.natural.copy(), self.drives)
+
+
+class BoundDriven:
+    """A driven energy bound to a pattern; remembers the natural strain of the last time asked."""
+
+    def __init__(self, stencil: BoundStencil, rest: FloatArray, drives: tuple[Drive, ...]) -> None:
+        self.name = stencil.name
+        self._rest = rest
+        self._drives = drives
+        self._stencil = stencil
+        self._time = np.nan
+
+    def natural(self, t: float) -> FloatArray:
+        """Natural strain at time ``t``, shape (naturals, S)."""
+        natural = self._rest.copy()
+        for drive in self._drives:
+            natural[drive.row, drive.stencils] += drive.factors * drive.law(t, drive.places)
+        return natural
+
+    def at(self, t: float) -> BoundStencil:
+        """The energy with its natural strain at time ``t``."""
+        if t != self._time:
+            self._stencil, self._time = self._stencil.actuated(self.natural(t)), t
+        return self._stencil
+
+    def energy(self, c: Configuration) -> FloatArray:
+        """Energies [J], shape (S,)."""
+        return self.at(c.t).energy(c)
+
+    def add_residual(self, c: Configuration, r: FloatArray) -> None:
+        """Add dE/dq."""
+        self.at(c.t).add_residual(c, r)
+
+    def add_linearization(self, c: Configuration, into: Linearization) -> None:
+        """Add dE/dq and d2E/dq2."""
+        self.at(c.t).add_linearization(c, into)

@@ -1,0 +1,68 @@
+"""Measured strains of rods, for rest shapes, results and controllers."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ..arrays import FloatArray, IntArray
+from ..geometry.curvature import curvature_gradient, edge_pair
+from ..geometry.vectors import scale
+
+
+def lengths(positions: FloatArray, edges: IntArray) -> FloatArray:
+    """Edge lengths [m], shape (E,)."""
+    e = positions[edges[:, 1]] - positions[edges[:, 0]]
+    return np.sqrt((e * e).sum(axis=1))
+
+
+def curvature_binormal(positions: FloatArray, nodes: IntArray) -> FloatArray:
+    """Integrated curvature binormal 2 t_e x t_f / (1 + t_e.t_f) of each joint, shape (J, 3).
+
+    Args:
+        positions: Space positions [m], shape (N, 3).
+        nodes: Node triples of the joints, shape (J, 3).
+    """
+    e, f = _edge_vectors(positions, nodes)
+    kb = edge_pair(e, f)[5]
+    return np.stack(np.broadcast_arrays(*kb), axis=1)
+
+
+def material_curvatures(
+    positions: FloatArray, nodes: IntArray, auxiliary: FloatArray, indices: IntArray, signs: FloatArray
+) -> FloatArray:
+    """Integrated material curvatures kappa_1, kappa_2 of each joint, shape (2, J).
+
+    Args:
+        positions: Space positions [m], shape (N, 3).
+        nodes: Node triples, shape (J, 3).
+        auxiliary: Auxiliary array of the trial frames.
+        indices: Places of m1e, m2e, m1f, m2f in it, shape (J, 12).
+        signs: Walking directions, shape (J, 2).
+    """
+    e, f = _edge_vectors(positions, nodes)
+    a = auxiliary[indices.T]
+    m1e, m2e = a[0:3], scale(signs[:, 0], a[3:6])
+    m1f, m2f = a[6:9], scale(signs[:, 1], a[9:12])
+    pair = edge_pair(e, f)
+    kappa_1 = curvature_gradient(pair, m2e, m2f, m1e, m1f)[0]
+    kappa_2 = curvature_gradient(pair, m1e, m1f, m2e, m2f)[0]
+    return np.stack((kappa_1, -kappa_2))
+
+
+def planar_curvature(positions: FloatArray, nodes: IntArray) -> FloatArray:
+    """Integrated curvature of each joint in the plane, shape (J,), from planar positions (N, 2)."""
+    e = positions[nodes[:, 1]] - positions[nodes[:, 0]]
+    f = positions[nodes[:, 2]] - positions[nodes[:, 1]]
+    sine = e[:, 0] * f[:, 1] - e[:, 1] * f[:, 0]
+    cosine = (e * f).sum(axis=1)
+    size = np.sqrt((e * e).sum(axis=1) * (f * f).sum(axis=1))
+    out: FloatArray = 2.0 * sine / (size + cosine)
+    return out
+
+
+def _edge_vectors(positions: FloatArray, nodes: IntArray) -> tuple[Any, Any]:
+    e = positions[nodes[:, 1]] - positions[nodes[:, 0]]
+    f = positions[nodes[:, 2]] - positions[nodes[:, 1]]
+    return tuple(e.T), tuple(f.T)
