@@ -28,7 +28,6 @@ import h5py, meshio
 
 folder, trials = Path(sys.argv[1]), int(sys.argv[2])
 topology, frames = sheet(frames=400)
-frames[0].index
 for trial in range(trials):
     run_dir = folder / str(trial)
     run_dir.mkdir()
