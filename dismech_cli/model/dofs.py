@@ -1,4 +1,4 @@
-"""Numbering of the degrees of freedom: q = [node positions | edge angles]."""
+"""Numbering of the degrees of freedom: q = [node positions | edge angles | mid-edge normals]."""
 
 from __future__ import annotations
 
@@ -21,6 +21,7 @@ class DofMap:
         axes: Space axes that the model carries: (0, 1, 2), or the two of the plane.
         visible: Nodes that the user knows of; the walls behind clamps come after them.
         hidden: Coordinate of all nodes normal to the plane of a planar scene [m].
+        n_normals: Shell edges whose normal is free: each carries an angle xi.
     """
 
     n_nodes: int
@@ -28,6 +29,7 @@ class DofMap:
     axes: tuple[int, ...]
     visible: int
     hidden: float = 0.0
+    n_normals: int = 0
 
     @property
     def dimension(self) -> int:
@@ -42,7 +44,7 @@ class DofMap:
     @property
     def n(self) -> int:
         """DOFs in all."""
-        return self.n_positions + self.n_angles
+        return self.n_positions + self.n_angles + self.n_normals
 
     def of_nodes(self, nodes: IntArray) -> IntArray:
         """DOFs of nodes, shape (*nodes.shape, dimension)."""
@@ -51,6 +53,10 @@ class DofMap:
     def of_angles(self, edges: IntArray) -> IntArray:
         """DOFs of the angles of edges."""
         return self.n_positions + np.asarray(edges)
+
+    def of_normals(self, edges: IntArray) -> IntArray:
+        """DOFs of the mid-edge normals of shell edges."""
+        return self.n_positions + self.n_angles + np.asarray(edges)
 
     def positions(self, q: FloatArray) -> FloatArray:
         """Node part of ``q`` as an array of shape (n_nodes, dimension); a view."""
@@ -74,6 +80,8 @@ class DofMap:
 
     def describe(self, dof: int) -> str:
         """Name of a DOF in the user's words."""
+        if dof >= self.n_positions + self.n_angles:
+            return f"mid-edge normal of shell edge {dof - self.n_positions - self.n_angles}"
         if dof >= self.n_positions:
             return f"twist angle of edge {dof - self.n_positions}"
         node, component = divmod(dof, self.dimension)

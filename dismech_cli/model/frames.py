@@ -7,7 +7,7 @@ a fixed rule (t x y, then parallel transport in edge order), so that results do 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 import numpy as np
@@ -19,6 +19,14 @@ from ..geometry.vectors import combine, cross, norm, scale
 from .driver import Driver
 
 
+def _no_vectors() -> FloatArray:
+    return np.empty((3, 0))
+
+
+def _no_numbers() -> FloatArray:
+    return np.empty(0)
+
+
 @dataclass(frozen=True, slots=True)
 class FrameState:
     """Frames at an accepted state.
@@ -27,11 +35,17 @@ class FrameState:
         tangent: Unit tangents, shape (3, E).
         director: First reference directors a1, shape (3, E).
         reference_twist: Unwrapped reference twist of each joint [rad], shape (J,).
+        edge_tangent: Unit tangents of shell edges with a free normal, shape (3, B).
+        edge_normal: Their mid-edge normals, shape (3, B).
+        edge_angle: Their angles xi [rad], shape (B,).
     """
 
     tangent: FloatArray
     director: FloatArray
     reference_twist: FloatArray
+    edge_tangent: FloatArray = field(default_factory=_no_vectors)
+    edge_normal: FloatArray = field(default_factory=_no_vectors)
+    edge_angle: FloatArray = field(default_factory=_no_numbers)
 
 
 @dataclass(frozen=True, slots=True)

@@ -32,5 +32,5 @@ def rod_mass(
     nodal = np.bincount(edges.reshape(-1), np.repeat(0.5 * lengths * per_length, 2), minlength=dofs.n_nodes)
     mass = np.zeros(dofs.n)
     mass[: dofs.n_positions] = np.repeat(nodal, dofs.dimension)
-    mass[dofs.n_positions :] = (lengths * polar)[: dofs.n_angles]
+    mass[dofs.n_positions : dofs.n_positions + dofs.n_angles] = (lengths * polar)[: dofs.n_angles]
     return mass

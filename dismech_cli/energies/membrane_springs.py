@@ -1,0 +1,37 @@
+"""In-plane stretching of a shell by springs along its edges: fast, and a Poisson ratio of 1/3.
+
+On a net of equilateral triangles springs are a plane-stress sheet with nu = 1/3 (Seung & Nelson
+1988), whatever the material's nu; on other nets they are close to one only.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..arrays import FloatArray, IntArray
+from ..model.dofs import DofMap
+from ..model.stencil import StencilEnergy, no_auxiliaries
+from .stretch import STRETCH
+
+
+def spring_term(
+    name: str, dofs: DofMap, edges: IntArray, lengths: FloatArray, stiffness: FloatArray
+) -> StencilEnergy:
+    """Build the springs E = k l eps^2 / 2, eps = |e|/l - 1, of the edges of a shell.
+
+    Args:
+        name: Unique name.
+        dofs: Numbering.
+        edges: Shell edges, shape (B, 2).
+        lengths: Rest lengths l [m], shape (B,).
+        stiffness: k [N], shape (B,): one of ``model.shell.area_springs``, ``hinge_springs``,
+            ``midedge_springs``.
+
+    Returns:
+        Energy with one stencil per edge; its natural strain (1, B) is that of the edge.
+    """
+    count = len(edges)
+    parameters = np.stack((np.zeros(count), stiffness, lengths))
+    return StencilEnergy(
+        name, STRETCH, dofs.of_nodes(edges).reshape(count, -1), parameters, no_auxiliaries(count)
+    )
