@@ -120,8 +120,10 @@ def _matrix_order(dofs: DofMap, free: BoolArray, couplings: Sequence[Coupling]) 
     pairs = [np.empty((0, 2), dtype=np.int64)]
     angle_of: list[tuple[IntArray, IntArray]] = []
     for coupling in couplings:
+        if not len(coupling.dofs):  # a rod of one edge has no joints
+            continue
         positions = coupling.dofs < dofs.n_positions
-        width = int(positions[0].sum()) if len(positions) else 0
+        width = int(positions[0].sum())
         nodes = coupling.dofs[:, :width:d] // d
         for k in range(nodes.shape[1] - 1):
             pairs.append(nodes[:, k : k + 2])
