@@ -75,10 +75,12 @@ def solve_stage(
         if result.status is Status.CONVERGED:
             return result
         retry = _line_search(system, solver, stage, guess, stored, settings)
+    # The retry shifts the diagonal and cannot see that the tangent was singular: keep that finding.
+    singular = result.status is Status.FACTORIZATION_FAILED and retry.status is not Status.CONVERGED
     return NewtonResult(
         retry.q,
         retry.residual,
-        retry.status,
+        result.status if singular else retry.status,
         result.iterations + retry.iterations,
         retry.residual_norm,
         retry.worst,
@@ -101,10 +103,10 @@ def _full_steps(
     r = system.linearize(stage, q, stored)
     for _ in range(min(settings.max_iterations, _FULL_STEPS)):
         residual, values = r
-        floor = system.round_off(values, q)
-        if not np.isfinite(floor):
+        floor, size = system.round_off(values, q), _free_max(residual, free)
+        if not np.isfinite(floor + size):
             return _failed(q, residual, free, Status.NOT_FINITE, iterations)
-        if _free_max(residual, free) <= floor:
+        if size <= floor:
             return _done(q, residual, free, iterations)
         try:
             solver.factorize(values)
@@ -143,7 +145,7 @@ def _line_search(
         residual, values = system.linearize(stage, q, stored)
         floor = system.round_off(values, q)
         balance = system.balance(stage, q, stored)
-        if not np.isfinite(balance.force):
+        if not np.isfinite(floor + _free_max(balance.residual, free)):
             return _failed(q, balance.residual, free, Status.NOT_FINITE, iterations)
         if _small(balance, system, settings.tolerance, floor):
             return _done(q, balance.residual, free, iterations)
