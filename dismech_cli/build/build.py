@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -41,12 +42,17 @@ class Built:
     geometry: Geometry
 
 
-def build(loaded: LoadedScenario, kernels: str | None = None) -> Built:
+def build(
+    loaded: LoadedScenario,
+    kernels: str | None = None,
+    planned: Callable[[Plan], None] = lambda plan: None,
+) -> Built:
     """Build everything; steps nothing.
 
     Args:
         loaded: The scenario.
         kernels: Overrides the plan's choice of kernels: a resumed run keeps those it had.
+        planned: Told the plan before anything is built, which may take long to compile.
 
     Raises:
         ScenarioError: The scenario cannot be built; the message points to the key.
@@ -57,6 +63,7 @@ def build(loaded: LoadedScenario, kernels: str | None = None) -> Built:
     geometry = weld_joints(loaded, assemble_geometry(loaded))
     holds = resolve_holds(loaded, geometry, laws)
     plan = make_plan(loaded, geometry, holds, kernels)
+    planned(plan)
     driver = build_driver(plan.kernels)
     skeleton = make_skeleton(geometry, holds)
     rods = build_rods(loaded, geometry, plan, skeleton, driver)

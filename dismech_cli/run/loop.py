@@ -68,7 +68,7 @@ class Limits:
 
     Attributes:
         checkpoint_every: Wall time between checkpoints [s].
-        wall: Wall time after which the run stops with a checkpoint [s].
+        wall: Wall time of this process after which the run stops with a checkpoint [s].
         until: Simulated time at which it stops with a checkpoint [s].
     """
 
@@ -128,8 +128,12 @@ class _Loop:
     began: float = field(default_factory=time.monotonic)
 
     @property
+    def elapsed(self) -> float:
+        return time.monotonic() - self.began
+
+    @property
     def wall(self) -> float:
-        return self.wall_before + time.monotonic() - self.began
+        return self.wall_before + self.elapsed
 
 
 def run(
@@ -210,13 +214,13 @@ def _advance(loop: _Loop, state: State, limits: Limits, stop: StopRequest) -> Ou
 def _pause(loop: _Loop, state: State, limits: Limits, stop: StopRequest) -> bool:
     if loop.clock.done(loop.simulation.grid):
         return False
-    return stop.requested or loop.wall >= limits.wall or state.t >= limits.until
+    return stop.requested or loop.elapsed >= limits.wall or state.t >= limits.until
 
 
 def _why(loop: _Loop, limits: Limits, stop: StopRequest) -> str:
     if stop.requested:
         return "interrupted"
-    return "the wall-clock limit is reached" if loop.wall >= limits.wall else "the time asked for is reached"
+    return "the wall-clock limit is reached" if loop.elapsed >= limits.wall else "the time asked for is reached"
 
 
 def _outcome(loop: _Loop, state: State, end: End, message: str) -> Outcome:

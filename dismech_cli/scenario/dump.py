@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import hashlib
 import json
+from collections.abc import Mapping
 from typing import Any
 
 import yaml
 
 from .schema import Scenario
+from .walk import leaves
 from .yaml_document import SCALARS
 
 _LOADER_KEYS = ("include", "profiles")
@@ -34,10 +36,18 @@ def resolved(scenario: Scenario) -> dict[str, Any]:
     return {key: value for key, value in data.items() if key not in unused}
 
 
-def dump_resolved(scenario: Scenario) -> str:
-    """YAML text that loads again to an equal scenario."""
+def dump_resolved(scenario: Scenario, renamed: Mapping[str, str] | None = None) -> str:
+    """YAML text that loads again to an equal scenario.
+
+    Args:
+        scenario: What to write.
+        renamed: New names of files by the names in ``scenario``, for a copy in another folder.
+    """
+    data = resolved(scenario)
+    if renamed:
+        _rename_files(scenario, data, renamed)
     text: str = yaml.dump(
-        resolved(scenario),
+        data,
         Dumper=_Dumper,
         sort_keys=False,
         allow_unicode=True,
@@ -45,6 +55,15 @@ def dump_resolved(scenario: Scenario) -> str:
         width=110,
     )
     return text
+
+
+def _rename_files(scenario: Scenario, data: dict[str, Any], renamed: Mapping[str, str]) -> None:
+    for leaf in leaves(scenario):
+        if leaf.file and leaf.value in renamed and leaf.path[0] not in _LOADER_KEYS:
+            place: Any = data
+            for part in leaf.path[:-1]:
+                place = place[part]
+            place[leaf.path[-1]] = renamed[leaf.value]
 
 
 def text_hash(scenario: Scenario) -> str:
