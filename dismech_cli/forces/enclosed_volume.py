@@ -1,0 +1,77 @@
+"""The volume that a shell encloses, its openings closed by fans about the centroids of their rims.
+
+A fan about its own rim's centroid moves with the shell, so the volume does not change in a rigid
+motion: the bare sum over the triangles of an open shell would depend on the origin.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import csr_matrix
+from scipy.sparse.csgraph import connected_components
+
+from ..arrays import FloatArray, IntArray
+
+
+@dataclass(frozen=True, slots=True)
+class EnclosedVolume:
+    """A closed surface made of a shell and its fans.
+
+    Attributes:
+        triangles: Corners, shape (T + K, 3): the shell's T, then one for each of K rim edges.
+            Corners from N on are centroids of rims.
+        corners: Corners from nodes, shape (N + rims, N): identity, then averages over rims.
+    """
+
+    triangles: IntArray
+    corners: csr_matrix
+
+    @classmethod
+    def of(cls, n_nodes: int, triangles: IntArray) -> EnclosedVolume:
+        """Close a consistently oriented shell.
+
+        Args:
+            n_nodes: Nodes of the model.
+            triangles: Shape (T, 3).
+        """
+        sides = triangles[:, [1, 2, 2, 0, 0, 1]].reshape(-1, 2)
+        low, high = sides.min(axis=1), sides.max(axis=1)
+        _, inverse, counts = np.unique(low * n_nodes + high, return_inverse=True, return_counts=True)
+        rim = sides[counts[inverse.reshape(-1)] == 1]
+        joined = csr_matrix((np.ones(len(rim)), (rim[:, 0], rim[:, 1])), shape=(n_nodes, n_nodes))
+        nodes = np.unique(rim)
+        label = np.full(n_nodes, -1, dtype=np.int64)
+        parts = connected_components(joined, directed=False)[1]
+        rims, label[nodes] = np.unique(parts[nodes], return_inverse=True)
+        # A fan triangle runs along its rim edge against the shell's own triangle.
+        fans = np.stack((rim[:, 1], rim[:, 0], n_nodes + label[rim[:, 0]]), axis=1)
+        sizes = np.bincount(label[nodes], minlength=len(rims))
+        rows = np.concatenate((np.arange(n_nodes), n_nodes + label[nodes]))
+        columns = np.concatenate((np.arange(n_nodes), nodes))
+        weights = np.concatenate((np.ones(n_nodes), 1.0 / sizes[label[nodes]]))
+        shape = (n_nodes + len(rims), n_nodes)
+        return cls(np.concatenate((triangles, fans)), csr_matrix((weights, (rows, columns)), shape=shape))
+
+    def value(self, positions: FloatArray) -> float:
+        """Volume [m^3], positive where normals point outward.
+
+        Args:
+            positions: Nodes [m], shape (N, 3).
+        """
+        x0, x1, x2 = self._at(positions)
+        return float(np.einsum("ti,ti->", x0, np.cross(x1, x2))) / 6.0
+
+    def gradient(self, positions: FloatArray) -> FloatArray:
+        """Derivative of the volume to each node [m^2], shape (N, 3)."""
+        x0, x1, x2 = self._at(positions)
+        shares = np.stack((np.cross(x1, x2), np.cross(x2, x0), np.cross(x0, x1)), axis=1) / 6.0
+        out = np.zeros((self.corners.shape[0], 3))
+        np.add.at(out, self.triangles, shares)
+        return np.asarray(self.corners.T @ out)
+
+    def _at(self, positions: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        # far from the origin products of coordinates would cancel
+        x = self.corners @ (positions - positions.mean(axis=0))
+        return x[self.triangles[:, 0]], x[self.triangles[:, 1]], x[self.triangles[:, 2]]

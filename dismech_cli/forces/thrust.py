@@ -1,0 +1,96 @@
+"""Thrust of a bell that expels water: F = -k dV/dt along a direction while its volume shrinks.
+
+The force on one node depends on the velocities of all, so the exact tangent is a full matrix of
+rank one. It is left out (quasi-Newton): the force, shared in proportion to nodal mass, accelerates
+the bell as a rigid body, which does not change its volume, so what is left out is nearly zero.
+Newton's method still solves the exact equations; it takes a few iterations more.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arrays import FloatArray, IntArray
+from ..model.configuration import Configuration
+from ..model.dofs import DofMap
+from ..model.driver import Driver
+from ..model.term import Coupling, Linearization, Pattern
+from .enclosed_volume import EnclosedVolume
+
+
+@dataclass(frozen=True, slots=True)
+class Thrust:
+    """Thrust on the nodes of a shell; implements both Term and BoundTerm.
+
+    Attributes:
+        name: Unique name.
+        volume: What shrinks.
+        n_positions: Position DOFs, three to a node.
+        sense: +1 where the normals of the rest shape point outward, -1 where inward.
+        push: Force on each node per rate of volume expelled [N s/m^3], shape (N, 3).
+    """
+
+    name: str
+    volume: EnclosedVolume
+    n_positions: int
+    sense: float
+    push: FloatArray
+
+    @property
+    def dissipative(self) -> bool:
+        """Thrust depends on velocity."""
+        return True
+
+    @property
+    def couplings(self) -> tuple[Coupling, ...]:
+        """None: the tangent is left out."""
+        return ()
+
+    def bind(self, pattern: Pattern, driver: Driver) -> Thrust:
+        """Return itself: nothing to look up."""
+        return self
+
+    def rate(self, c: Configuration) -> float:
+        """dV/dt [m^3/s]."""
+        x = c.q[: self.n_positions].reshape(-1, 3)
+        v = c.v[: self.n_positions].reshape(-1, 3)
+        return self.sense * float(np.vdot(self.volume.gradient(x), v))
+
+    def add_residual(self, c: Configuration, r: FloatArray) -> None:
+        """Subtract the thrust."""
+        r[: self.n_positions] += min(self.rate(c), 0.0) * self.push.reshape(-1)
+
+    def add_linearization(self, c: Configuration, into: Linearization) -> None:
+        """Subtract the thrust; no tangent."""
+        self.add_residual(c, into.residual)
+
+
+def thrust(
+    name: str,
+    dofs: DofMap,
+    nodes: FloatArray,
+    triangles: IntArray,
+    *,
+    coefficient: float,
+    direction: FloatArray,
+    shares: FloatArray,
+) -> Thrust:
+    """Build the thrust of a bell.
+
+    Args:
+        name: Unique name.
+        dofs: Numbering; three dimensions.
+        nodes: Rest positions of all nodes [m], shape (n_nodes, 3).
+        triangles: The bell, shape (T, 3).
+        coefficient: k [N s/m^3].
+        direction: Direction of the thrust, any length but zero, shape (3,).
+        shares: Weight of each node, any scale, shape (n_nodes,): nodal masses, or ones on the
+            bell's nodes as the DiSMech family does.
+    """
+    volume = EnclosedVolume.of(len(nodes), triangles)
+    sense = 1.0 if volume.value(nodes) >= 0.0 else -1.0
+    along = direction / np.linalg.norm(direction)
+    push = coefficient * np.outer(shares / shares.sum(), along)
+    return Thrust(name, volume, dofs.n_positions, sense, push)
