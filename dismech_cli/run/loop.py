@@ -220,7 +220,9 @@ def _pause(loop: _Loop, state: State, limits: Limits, stop: StopRequest) -> bool
 def _why(loop: _Loop, limits: Limits, stop: StopRequest) -> str:
     if stop.requested:
         return "interrupted"
-    return "the wall-clock limit is reached" if loop.elapsed >= limits.wall else "the time asked for is reached"
+    return (
+        "the wall-clock limit is reached" if loop.elapsed >= limits.wall else "the time asked for is reached"
+    )
 
 
 def _outcome(loop: _Loop, state: State, end: End, message: str) -> Outcome:

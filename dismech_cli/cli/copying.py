@@ -1,0 +1,43 @@
+"""An example copied to where the user works."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from ..errors import ScenarioError
+from ..output.durable import output_errors, write_bytes
+from ..scenario.load import load
+from ..scenario.walk import leaves
+
+
+def copy_example(example: Path, target: Path) -> list[Path]:
+    """Copy a scenario to ``target`` and the files it names beside it, under the names it gives them.
+
+    Returns:
+        The files made, the scenario first.
+
+    Raises:
+        ScenarioError: A file exists already, or the suffix is another one.
+        OutputError: A file cannot be written.
+    """
+    if target.suffix != example.suffix:
+        raise ScenarioError(f"{target}: expected a name that ends in {example.suffix}, like the example")
+    pairs = {target: example}
+    for name in _names(example):
+        pairs[target.parent / name] = example.parent / name
+    taken = [str(new) for new in pairs if new.exists()]
+    if taken:
+        raise ScenarioError(
+            f"{', '.join(taken)}: exists already and is never overwritten; choose another --output"
+        )
+    for new, old in pairs.items():
+        with output_errors(new.parent, "create"):
+            new.parent.mkdir(parents=True, exist_ok=True)
+        write_bytes(new, old.read_bytes())
+    return list(pairs)
+
+
+def _names(example: Path) -> list[str]:
+    """Files that a scenario names, includes too, relative to it."""
+    scenario = load(example).scenario
+    return list(dict.fromkeys(leaf.value for leaf in leaves(scenario) if leaf.file))

@@ -1,0 +1,128 @@
+"""Options that several commands share, and the small texts they parse."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from .console import NORMAL, QUIET, VERBOSE
+
+_SECONDS = {"ms": 1e-3, "s": 1.0, "m": 60.0, "min": 60.0, "h": 3600.0, "d": 86400.0}
+_DURATION = re.compile(r"(?P<number>\d+(\.\d*)?|\.\d+)\s*(?P<unit>[a-z]*)")
+_SIZE = re.compile(r"(\d{1,5})\s*[xX×]\s*(\d{1,5})")
+
+
+def duration(text: str | float) -> float:
+    """Wall time [s] of ``60s``, ``10m``, ``1.5h`` or a bare number of seconds."""
+    if isinstance(text, float):
+        return text
+    match = _DURATION.fullmatch(text.strip())
+    if match is None or (match["unit"] or "s") not in _SECONDS:
+        raise typer.BadParameter(f"expected a time such as 60s, 10m or 2h, got {text!r}")
+    seconds = float(match["number"]) * _SECONDS[match["unit"] or "s"]
+    if seconds <= 0.0:
+        raise typer.BadParameter(f"expected a time above zero, got {text!r}")
+    return seconds
+
+
+def size(text: str | tuple[int, int]) -> tuple[int, int]:
+    """Width and height of ``1280x720``."""
+    if isinstance(text, tuple):
+        return text
+    match = _SIZE.fullmatch(text.strip())
+    if match is None:
+        raise typer.BadParameter(f"expected WIDTHxHEIGHT such as 1280x720, got {text!r}")
+    return int(match[1]), int(match[2])
+
+
+class Profile(StrEnum):
+    """Built-in trades of speed against accuracy."""
+
+    DRAFT = "draft"
+    NORMAL = "normal"
+    ACCURATE = "accurate"
+
+
+class Shown(StrEnum):
+    """How progress is shown."""
+
+    AUTO = "auto"
+    BAR = "bar"
+    LINES = "lines"
+    NONE = "none"
+
+
+Scenario = Annotated[Path, typer.Argument(metavar="SCENARIO", help="YAML or TOML file.", show_default=False)]
+RunDir = Annotated[
+    Path,
+    typer.Argument(
+        metavar="RUN_DIR",
+        help="results/<name>/<run-id>.",
+        exists=True,
+        file_okay=False,
+        show_default=False,
+    ),
+]
+Set = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="KEY=VALUE", help="Set a value, as in numerics.dt='5 ms'; repeatable."),
+]
+ProfileOption = Annotated[
+    Profile | None, typer.Option("--profile", help="Trade speed for accuracy.", show_default=False)
+]
+AllowOutside = Annotated[
+    bool, typer.Option("--allow-outside", help="Permit files outside the folder of the scenario.")
+]
+Json = Annotated[bool, typer.Option("--json", help="Print the result as JSON.")]
+Until = Annotated[
+    str | None,
+    typer.Option("--until", metavar="T", help="Stop at this simulated time, such as '0.5 s'; resumable."),
+]
+CheckpointEvery = Annotated[
+    float,
+    typer.Option(
+        "--checkpoint-every",
+        metavar="TIME",
+        parser=duration,
+        help="Wall time between checkpoints.",
+        show_default="60s",
+    ),
+]
+WallLimit = Annotated[
+    float | None,
+    typer.Option(
+        "--wall-limit",
+        metavar="TIME",
+        parser=duration,
+        help="Stop with a checkpoint after this wall time, such as 10m.",
+        show_default=False,
+    ),
+]
+Progress = Annotated[Shown, typer.Option("--progress", help="How progress is shown.")]
+Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="Only warnings, errors and the run directory.")]
+Verbose = Annotated[bool, typer.Option("-v", "--verbose", help="The plan with its reasons, and every event.")]
+
+
+@dataclass(frozen=True, slots=True)
+class Pause:
+    """When to pause, as given.
+
+    Attributes:
+        until: Simulated time with unit, or None.
+        wall: Wall time [s], or None.
+        checkpoint_every: Wall time between checkpoints [s].
+    """
+
+    until: str | None
+    wall: float | None
+    checkpoint_every: float
+
+
+def level(quiet: bool, verbose: bool) -> int:
+    """How much to say; being quiet wins."""
+    return QUIET if quiet else VERBOSE if verbose else NORMAL

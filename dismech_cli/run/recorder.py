@@ -1,0 +1,150 @@
+"""The sink of a run with a directory: frames, events and checkpoints as files."""
+
+from __future__ import annotations
+
+import contextlib
+import shutil
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+
+from ..arrays import FloatArray
+from ..errors import OutputError
+from ..output import checkpoint
+from ..output.durable import output_errors
+from ..output.events import EventLog
+from ..output.frame import Frame, Topology, Writer
+from ..output.jsonable import Json
+from ..output.run_directory import CHECKPOINT_FOLDER, EVENTS_FILE, RUN_FILE, SCALARS_FILE
+from ..output.writers import make_writer
+from .loop import Progress
+from .progress import Reporter
+
+_IDENTITY, _NUMBERS = "identity", "numbers"
+_PRODUCTS = (RUN_FILE, SCALARS_FILE, EVENTS_FILE, "series.pvd", "frames")
+
+Note = Callable[[str], None]
+
+
+class Recorder:
+    """Writes what a run produces into its directory.
+
+    Args:
+        run_dir: The run directory; the caller holds its lock.
+        writers: Names of the writers.
+        identity: What the run is, stored in every checkpoint: see :func:`load_checkpoint`.
+        reporter: Told where the run stands.
+        note: Told about events, one line each.
+    """
+
+    def __init__(
+        self,
+        run_dir: Path,
+        writers: Sequence[str],
+        identity: Mapping[str, Json],
+        reporter: Reporter,
+        note: Note,
+    ) -> None:
+        self._run_dir = run_dir
+        self._names = tuple(writers)
+        self._identity = identity
+        self._reporter = reporter
+        self._note = note
+        self._writers: list[Writer] = []
+        self._events: EventLog | None = None
+
+    def open(self, topology: Topology, metadata: Mapping[str, str], resume_at: float | None = None) -> None:
+        """Create the files, or cut those that exist to the time of resumption [s].
+
+        Raises:
+            OutputError: If a file cannot be opened.
+        """
+        self._events = EventLog(self._run_dir / EVENTS_FILE, resume_at)
+        for name in self._names:
+            writer = make_writer(name, self._run_dir, resume_at)
+            self._writers.append(writer)
+            writer.open(topology, metadata)
+
+    def frame(self, frame: Frame) -> None:
+        """Give a frame to every writer.
+
+        Raises:
+            OutputError: If one cannot write it.
+        """
+        for writer in self._writers:
+            writer.write(frame)
+
+    def event(self, kind: str, t: float, **details: object) -> None:
+        """Append an event.
+
+        Raises:
+            OutputError: If it cannot be written.
+        """
+        assert self._events is not None
+        self._events.add(kind, t, **details)
+        shown = ", ".join(f"{key} {value}" for key, value in details.items() if key != "message")
+        self._note(f"{kind.replace('_', ' ')} at t = {t:.6g} s{': ' if shown else ''}{shown}")
+
+    def checkpoint(self, arrays: Mapping[str, FloatArray], numbers: Mapping[str, int | float]) -> None:
+        """Write a checkpoint.
+
+        Raises:
+            OutputError: If it cannot be written; the one before is kept.
+        """
+        meta: dict[str, Json] = {_IDENTITY: self._identity, _NUMBERS: dict(numbers)}
+        checkpoint.save(self._run_dir / CHECKPOINT_FOLDER, arrays, meta)
+        self._note(f"checkpoint at t = {numbers['t']:.6g} s")
+
+    def progress(self, progress: Progress) -> None:
+        """Show where the run stands."""
+        self._reporter.update(progress)
+
+    def close(self) -> None:
+        """Close all files; safe to call twice.
+
+        Raises:
+            OutputError: If the last bytes could not be written; the other files are closed all the same.
+        """
+        self._reporter.close()
+        writers, self._writers = self._writers, []
+        with contextlib.ExitStack() as stack:
+            for writer in writers:
+                stack.callback(writer.close)
+            if self._events is not None:
+                self._events.close()
+
+
+Checkpoint = tuple[dict[str, FloatArray], dict[str, int | float]]
+
+
+def load_checkpoint(run_dir: Path) -> tuple[Mapping[str, Json], Checkpoint] | None:
+    """The newest readable checkpoint of a run, or None if it has not written any.
+
+    Returns:
+        The identity given to :class:`Recorder`, and what :func:`.loop.run` resumes from.
+
+    Raises:
+        OutputError: If none is readable.
+    """
+    folder = run_dir / CHECKPOINT_FOLDER
+    if not any(folder.glob("checkpoint-*.npz")):
+        return None
+    arrays, meta = checkpoint.load_latest(folder)
+    try:
+        return meta[_IDENTITY], (arrays, meta[_NUMBERS])
+    except KeyError as error:
+        raise OutputError(f"the checkpoint in {folder} is of another program version: no {error}") from error
+
+
+def discard(run_dir: Path) -> None:
+    """Remove what a run wrote before its first checkpoint: started anew, it writes the same again.
+
+    Raises:
+        OutputError: If a file cannot be removed.
+    """
+    for name in _PRODUCTS:
+        path = run_dir / name
+        with output_errors(path, "remove"):
+            if path.is_dir():
+                shutil.rmtree(path)
+            else:
+                path.unlink(missing_ok=True)
