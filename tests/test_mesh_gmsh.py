@@ -170,7 +170,7 @@ def test_binary_and_text_agree_with_meshio(tmp_path: Path, version: str) -> None
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ("2 6 1 600", "2 1000000000000 1 600", "m.msh:20: 1000000000000 nodes; a mesh may have"),
+        ("2 6 1 600", "2 1000000000000 1 600", "m.msh:20: 1000000000000 nodes announced, 6 found"),
         ("2 1 0 5", "2 1 0 900000", "m.msh:25: 900000 numbers announced, 20 follow"),
         ("2 1 0 5", "2 1 1 5", "m.msh:24: parametric nodes"),
         ("2 6 1 600", "2 7 1 600", "m.msh:20: 7 nodes announced, 6 found"),
@@ -178,19 +178,20 @@ def test_binary_and_text_agree_with_meshio(tmp_path: Path, version: str) -> None
         ("4 50 600", "4 50 601", "m.msh:44: element names node 601, which the file does not define"),
         ("4 50 600", "4 0 600", "m.msh:44: element names node 0, which the file does not define"),
         ("4 50 600", "4 50 6x0", "m.msh:44: '6x0'; expected a whole number"),
-        ("2 1 2 2", "2 1 9 2", "m.msh:47: higher-order elements; set Mesh.ElementOrder = 1"),
-        ("2 1 2 2", "3 1 4 2", "m.msh:47: solid elements"),
-        ("2 1 2 2", "2 1 99 2", "m.msh:47: unknown gmsh element type 99"),
-        ("3\n40\n", "3\n3\n", "m.msh:33: node number 3 is defined twice"),
-        ("7 1 3 40", "7 1 3 3", r"m.msh:49: triangle 2 \(nodes 2, 4, 4\) has zero area"),
+        ("2 1 2 2", "2 1 9 2", r"m.msh:47: gmsh element type 9; .* of first order \(Mesh.ElementOrder = 1\)"),
+        ("2 1 2 2", "3 1 4 2", "m.msh:47: gmsh element type 4; expected points, lines, triangles or quads"),
+        ("2 1 2 2", "2 1 99 2", "m.msh:47: gmsh element type 99; expected"),
+        ("3\n40\n", "3\n3\n", "m.msh: node number 3 is defined twice"),
+        ("7 1 3 40", "7 1 3 3", r"m.msh: triangle 2 \(nodes 2, 4, 4\) has zero area"),
         ("$EndNodes", "$EndNoodles", "section \\$Nodes is not closed"),
         ("4.1 0 8", "4.0 0 8", "m.msh:2: gmsh format 4.0; expected 2.2 or 4.1"),
+        ("3\n40\n", "3\n99999999\n", "m.msh: node number 99999999; expected a whole number, 1 to"),
         ("4.1 0 8", "4.1 0", "m.msh:2: expected the format as in"),
         ("$MeshFormat", "$MashFormat", "m.msh:1: no \\$MeshFormat section"),
         ('1 5 "rope"', "1 5 rope", "m.msh:7: physical name; expected: dimension tag"),
     ],
 )
-def test_errors_name_the_line(old: str, new: str, message: str) -> None:
+def test_errors_name_the_place(old: str, new: str, message: str) -> None:
     assert old in MSH41
     with pytest.raises(MeshError, match=message):
         parse_gmsh(MSH41.replace(old, new, 1).encode(), "m.msh")
@@ -199,24 +200,60 @@ def test_errors_name_the_line(old: str, new: str, message: str) -> None:
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ("$Nodes\n5", "$Nodes\n1000000000000", "m.msh:10: 1000000000000 nodes; a mesh may have"),
-        ("9 0 1 0", "9.5 0 1 0", "m.msh:14: node number 9.5; expected a whole number"),
+        ("$Nodes\n5", "$Nodes\n1000000000000", "m.msh:11: 4000000000000 numbers announced, 20 follow"),
+        ("9 0 1 0", "9.5 0 1 0", "m.msh: node number 9.5; expected a whole number, 1 to 16000000"),
         ("1 1 2 5 1 1 5", "1 1 2 5 1 0 5", "m.msh:19: element names node 0, which the file does not"),
-        ("1 1 2 5 1 1 5", "1 1 -2 5 1 1 5", "m.msh:19: element with -2 tags"),
-        ("4 2 2 8 1 1 3 9", "4 2 2 1 1 1 3 9", r"m.msh:22: triangle 3 .* repeats an earlier triangle"),
-        ("9 0 1 0", "9 0 nan 0", r"m.msh:14: node 4 is at \[0.0, nan, 0.0\]"),
+        ("1 1 2 5 1 1 5", "1 1 -2 5 1 1 5", "m.msh:19: 1 elements with -2 tags"),
+        ("4 2 2 8 1 1 3 9", "4 2 2 1 1 1 3 9", r"m.msh: triangle 3 .* repeats an earlier triangle"),
+        ("9 0 1 0", "9 0 nan 0", r"m.msh: node 4 is at \[0.0, nan, 0.0\]"),
     ],
 )
-def test_errors_of_version_22_name_the_line(old: str, new: str, message: str) -> None:
+def test_errors_of_version_22_name_the_place(old: str, new: str, message: str) -> None:
     assert old in MSH22
     with pytest.raises(MeshError, match=message):
         parse_gmsh(MSH22.replace(old, new, 1).encode(), "m.msh")
 
 
+def test_same_name_in_two_dimensions_and_empty_node_blocks() -> None:
+    # gmsh writes a block for each entity, also where none of the nodes belong to it.
+    text = MSH41.replace('1 6 "clamp line"', '1 6 "bell"').replace("2 6 1 600\n", "3 6 1 600\n1 2 0 0\n")
+    mesh = parse_gmsh(text.encode(), "bell.msh")
+    assert_array_equal(mesh.node_groups["bell"], [1, 2, 3, 4])
+    assert_array_equal(mesh.triangle_groups["bell"], [0, 1])
+
+
+def test_elements_of_version_22_may_wrap() -> None:
+    wrapped = parse_gmsh(MSH22.replace("1 1 2 5 1 1 5", "1 1 2 5 1\n1 5").encode(), "bell.msh")
+    assert_array_equal(wrapped.edges, [[0, 4]])
+
+
+def test_what_meshio_raises_is_a_mesh_error() -> None:
+    # meshio cannot place tags that only some elements of a version 2.2 file have.
+    with pytest.raises(MeshError, match=r"m.msh: meshio cannot read it \(ValueError: Incompatible cell data"):
+        parse_gmsh(MSH22.replace("4 2 2 8 1 1 3 9", "4 2 0 1 3 9").encode(), "m.msh")
+
+
+@pytest.mark.parametrize("binary", [False, True])
+def test_node_zero_is_not_the_last_node(tmp_path: Path, binary: bool) -> None:
+    # Two rods; meshio alone would read the corrupt second one as 1-2, from the last node.
+    path = tmp_path / "rod.msh"
+    source = meshio.Mesh(np.diag([1.0, 2, 3]), [("line", [[0, 1], [1, 2]])])
+    meshio.write(path, source, file_format="gmsh", binary=binary)
+    old, new = (
+        (struct.pack("<3Q", 2, 2, 3), struct.pack("<3Q", 2, 2, 0)) if binary else (b"2 2 3\n", b"2 2 0\n")
+    )
+    assert path.read_bytes().count(old) == 1
+    path.write_bytes(path.read_bytes().replace(old, new))
+    assert_array_equal(meshio.gmsh.read(path).cells_dict["line"], [[0, 1], [1, 2]])
+    with pytest.raises(MeshError, match="element names node 0, which the file does not define"):
+        read_mesh(path)
+
+
 def test_binary_sizes_are_checked_before_allocation() -> None:
     head = b"$MeshFormat\n4.1 1 8\n" + struct.pack("<i", 1) + b"\n$EndMeshFormat\n$Nodes\n"
     one_block = struct.pack("<4Q", 1, 1000, 1, 1000) + struct.pack("<3iQ", 2, 1, 0, 1 << 60)
+    end = b"$EndNodes\n$Elements\n$EndElements\n"
     with pytest.raises(MeshError, match="1152921504606846976 numbers announced"):
-        parse_gmsh(head + one_block + b"$EndNodes\n", "m.msh")
+        parse_gmsh(head + one_block + end, "m.msh")
     with pytest.raises(MeshError, match="other byte order"):
-        parse_gmsh(head.replace(struct.pack("<i", 1), struct.pack(">i", 1)), "m.msh")
+        parse_gmsh(head.replace(struct.pack("<i", 1), struct.pack(">i", 1)) + end, "m.msh")

@@ -1,38 +1,27 @@
-"""gmsh files, versions 2.2 and 4.1: lines become rod edges, triangles and quads become shells.
-
-Read here, not through meshio, which cannot read files where only some entities are in a physical
-group, takes node number 0 for the last node, and allocates whatever a header claims.
-"""
+"""gmsh files, versions 2.2 and 4.1: lines become rod edges, triangles and quads become shells."""
 
 from __future__ import annotations
 
-import re
-from dataclasses import dataclass, field
+import tempfile
+import warnings
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Any
 
 import numpy as np
 
+from ..arrays import IntArray
 from ..errors import MeshError
-from .gmsh_assemble import Names, assemble
-from .gmsh_cursor import ByteCursor, Cursor, TextCursor
-from .gmsh_sections import (
-    Block,
-    Entities,
-    Nodes,
-    read_binary_elements22,
-    read_binary_nodes22,
-    read_elements41,
-    read_entities41,
-    read_nodes41,
-    read_text_elements22,
-    read_text_nodes22,
-)
+from .gmsh_guard import Guarded, guard
+from .groups import GroupBuilder
 from .mesh import Mesh
+from .orient import half_edges
+from .polygon import triangulate
 from .source import load_bytes
+from .validate import validate
 
-_NAME = re.compile(rb'\s*(\d{1,9})\s+(\d{1,9})\s+"([^"\n]*)"\s*')
-_COUNT = re.compile(rb"[ \t]*(\d{1,18})[ \t]*\r?\n")
+_DIMENSIONS = {"vertex": 0, "line": 1, "triangle": 2, "quad": 2}
+_UNNAMED = ("point", "curve", "surface")
 
 
 def read_gmsh(path: Path) -> Mesh:
@@ -53,131 +42,128 @@ def parse_gmsh(data: bytes, where: str) -> Mesh:
     Raises:
         MeshError: If the bytes are malformed or describe an unusable mesh.
     """
-    return _Parser(data, where).mesh()
+    guarded = guard(data, where)
+    return _assemble(_read(guarded.data, where), guarded, where)
 
 
-@dataclass(slots=True)
-class _Parser:
-    """Walks from section to section; what a section holds is read by ``gmsh_sections``."""
+def _read(data: bytes, where: str) -> Any:
+    """Return meshio's mesh; it reads from files only."""
+    import meshio
 
-    data: bytes
-    where: str
-    version: Literal["2.2", "4.1"] = "4.1"
-    binary: bool = False
-    size_bytes: Literal[4, 8] = 8
-    names: Names = field(default_factory=dict)
-    entities: Entities = field(default_factory=dict)
-    nodes: Nodes | None = None
-    blocks: list[Block] | None = None
+    try:
+        with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings():
+            # Numbers that end early are no more than a warning of numpy.
+            warnings.simplefilter("error")
+            path = Path(folder) / "mesh.msh"
+            path.write_bytes(data)
+            return meshio.gmsh.read(path)
+    except Exception as error:
+        raise MeshError(f"{where}: meshio cannot read it ({type(error).__name__}: {error})") from error
 
-    def mesh(self) -> Mesh:
-        """Read all sections and put the mesh together."""
-        position, formatted = 0, False
-        while (found := self._next_section(position)) is not None:
-            name, body = found
-            if not formatted and name not in ("MeshFormat", "Comments"):
-                break
-            formatted = formatted or name == "MeshFormat"
-            end = self._read(name, body)
-            close = self.data.find(b"$End" + name.encode(), end)
-            if close < 0:
-                raise MeshError(f"{self._place(body)}: section ${name} is not closed by $End{name}")
-            position = close + 4 + len(name)
-        if not formatted:
-            raise MeshError(f"{self.where}:1: no $MeshFormat section; not a gmsh file")
-        if self.nodes is None or self.blocks is None:
-            raise MeshError(
-                f"{self.where}: section ${'Nodes' if self.nodes is None else 'Elements'} is missing"
-            )
-        return assemble(self.nodes, self.blocks, self.names, self.where)
 
-    def _next_section(self, position: int) -> tuple[str, int] | None:
-        """Return the name of the next section and where its body starts."""
-        match = re.compile(rb"\$([A-Za-z]{1,40})[ \t]*\r?\n").search(self.data, position)
-        return None if match is None else (match[1].decode(), match.end())
+@dataclass(frozen=True, slots=True)
+class _Table:
+    """Elements of one dimension: node indices, shape (rows, 2 or 3), and the groups of each row."""
 
-    def _place(self, position: int) -> str:
-        return f"{self.where}:{self._line(position)}"
+    rows: IntArray
+    names: list[tuple[str, ...]]
 
-    def _line(self, position: int) -> int:
-        return self.data.count(b"\n", 0, position) + 1
+    def keep(self, which: IntArray) -> _Table:
+        """Return the chosen rows."""
+        return _Table(self.rows[which], [self.names[i] for i in which])
 
-    def _read(self, name: str, body: int) -> int:
-        """Read one section; return where the search for its end may start."""
-        match name:
-            case "MeshFormat":
-                return self._read_format(body)
-            case "PhysicalNames":
-                return self._read_names(body)
-            case "Entities" if self.version == "4.1":
-                cursor = self._cursor(name, body)
-                self.entities = read_entities41(cursor)
-            case "Nodes":
-                cursor, count = self._counted(name, body)
-                if self.version == "4.1":
-                    self.nodes = read_nodes41(cursor)
-                elif count is None:
-                    self.nodes = read_text_nodes22(cursor)
-                else:
-                    self.nodes = read_binary_nodes22(cursor, count)
-            case "Elements":
-                cursor, count = self._counted(name, body)
-                if self.version == "4.1":
-                    self.blocks = read_elements41(cursor, self.entities)
-                elif count is None:
-                    self.blocks = read_text_elements22(cursor)
-                else:
-                    self.blocks = read_binary_elements22(cursor, count)
-            case "PartitionedEntities" | "Parametrizations" if self.version == "4.1":
-                raise MeshError(f"{self._place(body)}: section ${name}; save an unpartitioned mesh")
-            case _:
-                # Periodicity, data and comments do not change the mesh.
-                return body
-        return cursor.position if self.binary else body
+    def groups(self) -> dict[str, IntArray]:
+        """Return the row indices under each name."""
+        builder = GroupBuilder()
+        for index, names in enumerate(self.names):
+            builder.add(names, (index,))
+        return builder.build()
 
-    def _cursor(self, name: str, body: int) -> Cursor:
-        if self.binary:
-            return ByteCursor(self.data, body, self.size_bytes, self.where)
-        close = self.data.find(b"$End" + name.encode(), body)
-        stop = close if close >= 0 else len(self.data)
-        return TextCursor(self.data[body:stop], self._line(body), self.where)
 
-    def _counted(self, name: str, body: int) -> tuple[Cursor, int | None]:
-        """Open a section; binary 2.2 sections start with their count in text."""
-        if not (self.binary and self.version == "2.2"):
-            return self._cursor(name, body), None
-        match = _COUNT.match(self.data, body)
-        if match is None:
-            raise MeshError(f"{self._place(body)}: no count after ${name}")
-        return self._cursor(name, match.end()), int(match[1])
+def _assemble(source: Any, guarded: Guarded, where: str) -> Mesh:
+    """Build and validate the mesh from meshio's cell blocks."""
+    members = GroupBuilder()
+    blocks: dict[int, list[_Table]] = {
+        1: [_Table(np.empty((0, 2), dtype=np.int64), [])],
+        2: [_Table(np.empty((0, 3), dtype=np.int64), [])],
+    }
+    quads = 0
+    for number, cells in enumerate(source.cells):
+        rows, dimension = np.asarray(cells.data, dtype=np.int64), _DIMENSIONS[cells.type]
+        names = _titles(source, guarded, number, dimension)
+        for row, titles in zip(rows.tolist(), names, strict=True):
+            members.add(titles, row)
+        if cells.type == "quad":
+            quads += len(rows)
+            rows, names = _split(source.points, rows), [titles for titles in names for _ in range(2)]
+        if dimension > 0:
+            blocks[dimension].append(_Table(rows, names))
+    notes = [f"{quads} quads split into triangles."] if quads else []
+    faces = _merge_repeats(_stack(blocks[2]))
+    rods = _drop_sides(_merge_repeats(_stack(blocks[1])), faces.rows, notes)
+    mesh = Mesh(
+        nodes=np.asarray(source.points, dtype=np.float64).reshape(-1, 3),
+        edges=rods.rows,
+        triangles=faces.rows,
+        node_groups=members.build(),
+        edge_groups=rods.groups(),
+        triangle_groups=faces.groups(),
+        notes=tuple(notes),
+    )
+    return validate(mesh, where)
 
-    def _read_format(self, body: int) -> int:
-        end = self.data.find(b"\n", body) + 1
-        fields = self.data[body:end].split()
-        if not end or len(fields) != 3 or fields[1] not in (b"0", b"1") or fields[2] not in (b"4", b"8"):
-            raise MeshError(f"{self._place(body)}: expected the format as in '4.1 0 8'")
-        version = fields[0].decode("ascii", errors="replace")[:20]
-        if version in ("2", "2.0", "2.1", "2.2"):
-            self.version = "2.2"
-        elif version in ("4", "4.1"):
-            self.version = "4.1"
-        else:
-            raise MeshError(f"{self._place(body)}: gmsh format {version}; expected 2.2 or 4.1")
-        self.binary = fields[1] == b"1"
-        self.size_bytes = 4 if fields[2] == b"4" else 8
-        if self.binary and self.data[end : end + 4] != np.array([1], dtype="<i4").tobytes():
-            raise MeshError(f"{self._place(end)}: binary gmsh file of the other byte order; save it as text")
-        return end
 
-    def _read_names(self, body: int) -> int:
-        close = self.data.find(b"$EndPhysicalNames", body)
-        rows = self.data[body : close if close >= 0 else len(self.data)].split(b"\n")
-        first = self._line(body)
-        for number, row in enumerate(rows[1:], start=first + 1):
-            if not row.strip():
-                continue
-            match = _NAME.fullmatch(row)
-            if match is None:
-                raise MeshError(f'{self.where}:{number}: physical name; expected: dimension tag "name"')
-            self.names[int(match[1]), int(match[2])] = match[3].decode("utf-8", errors="replace")
-        return body
+def _titles(source: Any, guarded: Guarded, number: int, dimension: int) -> list[tuple[str, ...]]:
+    """Return the group names of each element of a block."""
+    count = len(source.cells[number].data)
+    if guarded.block_groups is not None:
+        tags = [guarded.block_groups[number]] * count
+    elif "gmsh:physical" in source.cell_data:
+        # A tag of 0 means none.
+        tags = [(abs(tag),) if tag else () for tag in source.cell_data["gmsh:physical"][number].tolist()]
+    else:
+        tags = [()] * count
+    unnamed = _UNNAMED[dimension]
+    return [tuple(guarded.names.get((dimension, tag), f"{unnamed}_{tag}") for tag in row) for row in tags]
+
+
+def _split(points: Any, rows: IntArray) -> IntArray:
+    with np.errstate(over="ignore", invalid="ignore"):
+        pieces = [row[list(triple)] for row in rows for triple in triangulate(points[row])]
+    return np.array(pieces, dtype=np.int64).reshape(-1, 3)
+
+
+def _stack(tables: list[_Table]) -> _Table:
+    rows = np.concatenate([table.rows for table in tables])
+    return _Table(rows, [names for table in tables for names in table.names])
+
+
+def _merge_repeats(table: _Table) -> _Table:
+    """Unite identical elements: version 2.2 writes one copy for each physical group."""
+    _, first, inverse = np.unique(np.sort(table.rows, axis=1), axis=0, return_index=True, return_inverse=True)
+    if len(first) == len(table.rows):
+        return table
+    keep = np.sort(first)
+    names: dict[int, dict[str, None]] = {int(i): {} for i in keep}
+    repeated: set[tuple[int, str]] = set()
+    for index, row in enumerate(inverse.ravel()):
+        original = int(first[row])
+        clash = {(original, name) for name in table.names[index] or ("",)}
+        # Twice in the same group is no bookkeeping of gmsh but an error; validation names it.
+        if clash & repeated:
+            return table
+        repeated |= clash
+        names[original].update(dict.fromkeys(table.names[index]))
+    return _Table(table.rows[keep], [tuple(names[int(i)]) for i in keep])
+
+
+def _drop_sides(rods: _Table, triangles: IntArray, notes: list[str]) -> _Table:
+    """Leave out lines that are sides of triangles: gmsh saves the boundary curves of surfaces."""
+    if not len(rods.rows) or not len(triangles):
+        return rods
+    count = int(max(rods.rows.max(), triangles.max())) + 1
+    sides = np.sort(half_edges(triangles), axis=1) @ np.array([count, 1])
+    side = np.isin(np.sort(rods.rows, axis=1) @ np.array([count, 1]), sides)
+    if side.any():
+        notes.append(f"{int(side.sum())} lines along triangle sides taken as boundaries, not as rods.")
+    return rods.keep(np.flatnonzero(~side))
