@@ -24,7 +24,7 @@ from dismech_cli.model.dofs import DofMap
 from dismech_cli.model.driver import Driver
 from dismech_cli.model.frames import Frames, FrameState, NoFrames, RodFrames
 from dismech_cli.model.laws import Constant, Law
-from dismech_cli.model.mass import nodal_lengths, rod_mass
+from dismech_cli.model.mass import rod_mass
 from dismech_cli.model.model import Model
 from dismech_cli.model.motion import Motion
 from dismech_cli.model.numpy_driver import NumpyDriver
@@ -430,8 +430,3 @@ def term_cases() -> dict[str, TermCase]:
         "moment_framed": _with(network, _moment(edges)),
         "moment_planar": _with(planar, _moment(chain5)),
     }
-
-
-def nodal_length_of(nodes: FloatArray, edges: IntArray) -> FloatArray:
-    """Voronoi lengths of the nodes."""
-    return nodal_lengths(len(nodes), edges, _lengths(nodes, edges))
