@@ -1,0 +1,26 @@
+"""Write the curves of this folder: python scenarios/data/make.py."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+HERE = Path(__file__).parent
+
+
+def helix_lead_in() -> np.ndarray:
+    """Helix of 3.7 turns on a vertical lead-in, then five steps out to its radius, shape (106, 3)."""
+    top = [[0.0, 0.0, 0.0250546328]]
+    steps = np.arange(5)
+    out = np.column_stack([np.zeros(5), 4e-3 * steps, 8e-5 * steps])
+    t = np.linspace(0.0, 1.0, 100)
+    phi = 0.5 * np.pi - 2.0 * np.pi * 3.7 * t
+    coil = np.column_stack([0.02 * np.cos(phi), 0.02 * np.sin(phi), -0.185 * t])
+    return np.concatenate([top, out, coil])
+
+
+if __name__ == "__main__":
+    np.savetxt(
+        HERE / "helix_lead_in.csv", helix_lead_in(), fmt="%.12g", delimiter=",", header="x,y,z", comments=""
+    )
