@@ -172,6 +172,7 @@ def test_binary_and_text_agree_with_meshio(tmp_path: Path, version: str) -> None
     [
         ("2 6 1 600", "2 1000000000000 1 600", "m.msh:20: 1000000000000 nodes announced, 6 found"),
         ("2 1 0 5", "2 1 0 900000", "m.msh:25: 900000 numbers announced, 20 follow"),
+        ("5 7 1 7", "-5 7 1 7", "m.msh:37: a count or number is negative or too large"),
         ("2 1 0 5", "2 1 1 5", "m.msh:24: parametric nodes"),
         ("2 6 1 600", "2 7 1 600", "m.msh:20: 7 nodes announced, 6 found"),
         ("0 0 -0.5\n", "0 0 abc\n", "m.msh:34: 'abc'; expected a number"),
@@ -255,5 +256,8 @@ def test_binary_sizes_are_checked_before_allocation() -> None:
     end = b"$EndNodes\n$Elements\n$EndElements\n"
     with pytest.raises(MeshError, match="1152921504606846976 numbers announced"):
         parse_gmsh(head + one_block + end, "m.msh")
+    # As a signed number it is negative; no block would be checked.
+    with pytest.raises(MeshError, match="a count or number is negative or too large"):
+        parse_gmsh(head + struct.pack("<4Q", (1 << 64) - 1, 0, 1, 1) + end, "m.msh")
     with pytest.raises(MeshError, match="other byte order"):
         parse_gmsh(head.replace(struct.pack("<i", 1), struct.pack(">i", 1)) + end, "m.msh")

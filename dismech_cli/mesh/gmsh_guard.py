@@ -72,20 +72,24 @@ class _Section:
             raise self.error(f"{count} numbers announced, {left} follow in the section")
         start = self.position
         self.position += count * dtype.itemsize
-        target = np.float64 if kind == "float" else np.int64
         if self.size:
-            # Sizes past int64 turn negative and are refused as counts and as node numbers.
-            return np.frombuffer(self.body, dtype, count, start).astype(target)
-        convert: Callable[[bytes], float] = float if kind == "float" else _whole
+            numbers = np.frombuffer(self.body, dtype, count, start)
+        else:
+            numbers = self._parse(start, float if kind == "float" else _whole)
+        if kind == "size" and count and not 0 <= numbers.min() <= numbers.max() < 1 << 63:
+            raise self.error("a count or number is negative or too large", start)
+        return numbers.astype(np.float64 if kind == "float" else np.int64)
+
+    def _parse(self, start: int, convert: Callable[[bytes], float]) -> NDArray[Any]:
         numbers: list[float] = []
         try:
             for token in self._tokens[start : self.position]:
                 numbers.append(convert(token))
         except ValueError:
             shown = token[:40].decode("ascii", errors="replace")
-            expected = "a number" if kind == "float" else "a whole number"
+            expected = "a whole number" if convert is _whole else "a number"
             raise self.error(f"{shown!r}; expected {expected}", start + len(numbers)) from None
-        return np.array(numbers, dtype=target)
+        return np.array(numbers)
 
     def rows_alike(self, start: int, stride: int, most: int) -> int:
         """Count the text rows from ``start`` that repeat the second and third number of the first."""
