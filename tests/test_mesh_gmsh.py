@@ -172,6 +172,7 @@ def test_binary_and_text_agree_with_meshio(tmp_path: Path, version: str) -> None
     [
         ("2 6 1 600", "2 1000000000000 1 600", "m.msh:20: 1000000000000 nodes announced, 6 found"),
         ("2 1 0 5", "2 1 0 900000", "m.msh:25: 900000 numbers announced, 20 follow"),
+        ("5 7 1 7", "3 7 1 7", "m.msh:37: 7 elements announced, 4 found"),
         ("5 7 1 7", "-5 7 1 7", "m.msh:37: a count or number is negative or too large"),
         ("2 1 0 5", "2 1 1 5", "m.msh:24: parametric nodes"),
         ("2 6 1 600", "2 7 1 600", "m.msh:20: 7 nodes announced, 6 found"),

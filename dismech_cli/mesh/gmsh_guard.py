@@ -224,13 +224,18 @@ def _nodes41(section: _Section) -> IntArray:
 
 def _elements41(section: _Section, known: BoolArray, entities: Groups) -> list[tuple[int, ...]]:
     """Check the elements; return the physical tags of each block."""
-    groups, nodes = [], []
-    for _ in range(int(section.take(4, "size")[0])):
+    groups, nodes, found = [], [], 0
+    blocks, total = (int(v) for v in section.take(4, "size")[:2])
+    for _ in range(blocks):
         start = section.position
         dimension, entity, kind = (int(v) for v in section.take(3, "int"))
         width = _width(kind, section, start)
-        nodes.append(_element_nodes(section, int(section.take(1, "size")[0]), 1, width, "size"))
+        rows = int(section.take(1, "size")[0])
+        nodes.append(_element_nodes(section, rows, 1, width, "size"))
         groups.append(entities.get((dimension, entity), ()))
+        found += rows
+    if found != total:
+        raise section.error(f"{total} elements announced, {found} found", 0)
     _check_known(section, nodes, known)
     return groups
 
