@@ -32,7 +32,12 @@ from dismech_cli.model.laws import Constant, Ramp
 from dismech_cli.model.model import Model
 from dismech_cli.model.stencil import StencilEnergy
 
-CASES = {name: case for name, case in term_cases().items() if not isinstance(case.term, StencilEnergy)}
+# the tangent of a moment on an edge with an angle is checked with the torque that it balances, below
+CASES = {
+    name: case
+    for name, case in term_cases().items()
+    if not isinstance(case.term, StencilEnergy) and name != "moment_framed"
+}
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
@@ -165,3 +170,41 @@ def test_positive_moment_turns_by_the_right_hand() -> None:
     term = _moment(model, chain(2), [0.0, 1.0, 0.0], angles=np.empty(0, dtype=np.int64))
     force = -residual(model, term, model.rest, np.zeros(4))
     assert_allclose(force, [0.0, 1.0, 0.0, -1.0], atol=1e-15)
+
+
+def test_tangent_of_a_balanced_torque() -> None:
+    """A twisted rod held by moments on its ends: elastic and load tangents make up the derivative together.
+
+    Neither does alone: r is a gradient only where the frames are stored, and its derivative has a skew
+    part as large as the unbalanced torque on the angle.
+    """
+    x, edges = helix(4)
+    model = framed_rod(x, edges, UNEQUAL)
+    dofs = model.dofs
+    q = disturbed(model, 1)
+    stored = adapted(model, q)
+    elastic = [Probe.of(term, model, NUMPY) for term in model.terms]
+    torques = sum(probe.residual(configuration(model, q, q, stored)) for probe in elastic)[
+        dofs.of_angles(np.arange(3))
+    ]
+    e = np.diff(dofs.positions(q), axis=0)
+    load = EdgeMoment(
+        "moment",
+        dofs.of_nodes(edges[:, 0]),
+        dofs.of_nodes(edges[:, 1]),
+        dofs.of_angles(np.arange(3)),
+        dofs.axes,
+        torques[:, None] * e / np.linalg.norm(e, axis=1)[:, None],
+        Constant(1.0),
+    )
+    probes = [*elastic, Probe.of(load, model, NUMPY)]
+
+    def residual(p: FloatArray) -> FloatArray:
+        return sum(probe.residual(configuration(model, p, p, stored)) for probe in probes)
+
+    assert_allclose(residual(q)[dofs.of_angles(np.arange(3))], 0.0, atol=1e-12 * np.abs(torques).max())
+    tangent = sum(probe.tangents(configuration(model, q, q, stored))[0] for probe in probes)
+    h = 1e-6 * model.length
+    steps = h * np.eye(dofs.n)
+    slope = np.stack([(residual(q + d) - residual(q - d)) / (2.0 * h) for d in steps], axis=1)
+    assert_allclose(tangent, slope, rtol=0, atol=1e-7 * np.abs(slope).max())

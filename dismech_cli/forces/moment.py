@@ -3,6 +3,11 @@
 The couple (M x t)/l on the head and its opposite on the tail does the work M.w of the edge's
 rotation; the part of M along t turns the edge's angle. The direction of M is fixed in space, so
 the load is conservative in the plane only and the tangent is not symmetric in space.
+
+Where the edge carries an angle, its frame turns by half the area that t sweeps around a loop. The
+symmetric tangents of the elastic energies leave out what the torque they balance does on that turn,
+a skew term (M.t)/2 [t]x / l^2; the tangent here makes up for it, so that Newton's method sees the
+derivative of the whole balance.
 """
 
 from __future__ import annotations
@@ -96,6 +101,10 @@ class BoundEdgeMoment:
         d[:, 0, 1], d[:, 0, 2], d[:, 1, 2] = -moment[:, 2], moment[:, 1], -moment[:, 0]
         d -= d.transpose(0, 2, 1)
         d = (d - 2.0 * couple[:, :, None] * e[:, None, :]) / square[:, :, None]
+        if load.angles.size:
+            # M.t [t]x / l^2, with t = e/l
+            along = (moment * e).sum(axis=1)[:, None, None] / square[:, :, None] ** 2
+            d -= 0.5 * along * np.cross(np.eye(3), e[:, None, :])
         k, f = d[:, axes][:, :, axes], couple[:, axes]
         n = len(axes)
         size = self.dofs.shape[1]
