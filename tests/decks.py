@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import yaml
 
 from dismech_cli import load, simulate
 from dismech_cli.arrays import FloatArray
@@ -44,7 +44,7 @@ def given_section(
 
 def line(nodes: int, end: Sequence[float] = (1.0, 0.0, 0.0)) -> Deck:
     """A straight centreline from the origin."""
-    return {"shape": "line", "from": [0.0, 0.0, 0.0], "to": [float(x) for x in end], "nodes": int(nodes)}
+    return {"shape": "line", "from": [0.0, 0.0, 0.0], "to": [float(x) for x in end], "nodes": nodes}
 
 
 def rod_deck(centreline: Deck, section: Deck | None = None, **keys: Any) -> Deck:
@@ -70,7 +70,8 @@ def rod_deck(centreline: Deck, section: Deck | None = None, **keys: Any) -> Deck
 def attempt(folder: Path, deck: Deck, *overrides: str) -> Result:
     """Run a deck, however it ends."""
     file = folder / "scene.yaml"
-    file.write_text(yaml.safe_dump(deck, sort_keys=False), encoding="utf-8")
+    # JSON is YAML
+    file.write_text(json.dumps(deck, default=lambda array: array.tolist()), encoding="utf-8")
     return simulate(load(file, overrides=overrides))
 
 
