@@ -167,7 +167,7 @@ def test_round_off_floor_of_a_stiff_rod(kind: str) -> None:
     for _ in range(20):
         step = stepper.step(state, 1e-3)
         assert step.status is Status.CONVERGED
-        assert step.iterations <= 6
+        assert step.iterations <= 7  # six to the floor, one more from there
         state = step.state
 
 

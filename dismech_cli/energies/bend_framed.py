@@ -12,9 +12,17 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..geometry.curvature import curvature_gradient, curvature_hessian, edge_pair
+from ..geometry.curvature import curvature_gradient, curvature_hessian, edge_pair, pack_edges_and_angles
 from ..geometry.kernel import kernel
-from ..geometry.vectors import combine, scale
+from ..geometry.vectors import (
+    add,
+    combine,
+    combine_block,
+    combine_symmetric,
+    outer,
+    scale,
+    self_outer,
+)
 from ..model.stencil import Kernel
 
 
@@ -22,52 +30,42 @@ from ..model.stencil import Kernel
 def bend_framed(y: Any, a: Any, p: Any) -> Any:
     """Energy, gradient and packed Hessian with respect to (e, f, theta_e, theta_f)."""
     se, sf = p[5], p[6]
-    m1e, m2e = (a[0], a[1], a[2]), scale(se, (a[3], a[4], a[5]))
-    m1f, m2f = (a[6], a[7], a[8]), scale(sf, (a[9], a[10], a[11]))
-    pair = edge_pair((y[0], y[1], y[2]), (y[3], y[4], y[5]))
-    k1, g = curvature_gradient(pair, m2e, m2f, scale(-1.0, m1e), scale(-1.0, m1f))
-    k2, h = curvature_gradient(pair, scale(-1.0, m1e), scale(-1.0, m1f), scale(-1.0, m2e), scale(-1.0, m2f))
+    m1e, m2e = a[0:3], scale(se, a[3:6])
+    m1f, m2f = a[6:9], scale(sf, a[9:12])
+    n1e, n2e, n1f, n2f = scale(-1.0, m1e), scale(-1.0, m2e), scale(-1.0, m1f), scale(-1.0, m2f)
+    pair = edge_pair(y[0:3], y[3:6])
+    k1, e1, f1, a1, b1 = curvature_gradient(pair, m2e, m2f, n1e, n1f)
+    k2, e2, f2, a2, b2 = curvature_gradient(pair, n1e, n1f, n2e, n2f)
     s1, s2 = p[2] / p[4], p[3] / p[4]
     w1, w2 = s1 * (k1 - p[0]), s2 * (k2 - p[1])
     energy = 0.5 * (w1 * (k1 - p[0]) + w2 * (k2 - p[1]))
-    # one call for both curvatures: the Hessian is linear in directors and curvature
-    c = curvature_hessian(
+    # one call for both curvatures: second derivatives are linear in directors and curvature
+    ee, ff, ef, ate, atf, bte, btf, tee, tff = curvature_hessian(
         pair,
         w1 * k1 + w2 * k2,
-        combine(w1, m2e, -w2, m1e),
-        combine(w1, m2f, -w2, m1f),
-        combine(-w1, m1e, -w2, m2e),
-        combine(-w1, m1f, -w2, m2f),
+        combine(w1, m2e, w2, n1e),
+        combine(w1, m2f, w2, n1f),
+        combine(w1, n1e, w2, n2e),
+        combine(w1, n1f, w2, n2f),
     )
-    gradient = (
-        w1 * g[0] + w2 * h[0], w1 * g[1] + w2 * h[1], w1 * g[2] + w2 * h[2],
-        w1 * g[3] + w2 * h[3], w1 * g[4] + w2 * h[4], w1 * g[5] + w2 * h[5],
-        se * (w1 * g[6] + w2 * h[6]), sf * (w1 * g[7] + w2 * h[7]),
-    )  # fmt: skip
-    a0, a1, a2, a3 = s1 * g[0], s1 * g[1], s1 * g[2], s1 * g[3]
-    a4, a5, a6, a7 = s1 * g[4], s1 * g[5], s1 * g[6], s1 * g[7]
-    b0, b1, b2, b3 = s2 * h[0], s2 * h[1], s2 * h[2], s2 * h[3]
-    b4, b5, b6, b7 = s2 * h[4], s2 * h[5], s2 * h[6], s2 * h[7]
-    hessian = (
-        a0 * g[0] + b0 * h[0] + c[0], a0 * g[1] + b0 * h[1] + c[1], a0 * g[2] + b0 * h[2] + c[2],
-        a0 * g[3] + b0 * h[3] + c[3], a0 * g[4] + b0 * h[4] + c[4], a0 * g[5] + b0 * h[5] + c[5],
-        se * (a0 * g[6] + b0 * h[6] + c[6]), sf * (a0 * g[7] + b0 * h[7] + c[7]),
-        a1 * g[1] + b1 * h[1] + c[8], a1 * g[2] + b1 * h[2] + c[9], a1 * g[3] + b1 * h[3] + c[10],
-        a1 * g[4] + b1 * h[4] + c[11], a1 * g[5] + b1 * h[5] + c[12],
-        se * (a1 * g[6] + b1 * h[6] + c[13]), sf * (a1 * g[7] + b1 * h[7] + c[14]),
-        a2 * g[2] + b2 * h[2] + c[15], a2 * g[3] + b2 * h[3] + c[16], a2 * g[4] + b2 * h[4] + c[17],
-        a2 * g[5] + b2 * h[5] + c[18], se * (a2 * g[6] + b2 * h[6] + c[19]),
-        sf * (a2 * g[7] + b2 * h[7] + c[20]),
-        a3 * g[3] + b3 * h[3] + c[21], a3 * g[4] + b3 * h[4] + c[22], a3 * g[5] + b3 * h[5] + c[23],
-        se * (a3 * g[6] + b3 * h[6] + c[24]), sf * (a3 * g[7] + b3 * h[7] + c[25]),
-        a4 * g[4] + b4 * h[4] + c[26], a4 * g[5] + b4 * h[5] + c[27],
-        se * (a4 * g[6] + b4 * h[6] + c[28]), sf * (a4 * g[7] + b4 * h[7] + c[29]),
-        a5 * g[5] + b5 * h[5] + c[30],
-        se * (a5 * g[6] + b5 * h[6] + c[31]), sf * (a5 * g[7] + b5 * h[7] + c[32]),
-        a6 * g[6] + b6 * h[6] + c[33], se * sf * (a6 * g[7] + b6 * h[7]),
-        a7 * g[7] + b7 * h[7] + c[35],
-    )  # fmt: skip
-    return energy, gradient, hessian
+    x1, x2, z1, z2 = scale(s1, e1), scale(s2, e2), scale(s1, f1), scale(s2, f2)
+    hessian = pack_edges_and_angles(
+        combine_symmetric(1.0, ee, 1.0, combine_symmetric(s1, self_outer(e1), s2, self_outer(e2))),
+        combine_symmetric(1.0, ff, 1.0, combine_symmetric(s1, self_outer(f1), s2, self_outer(f2))),
+        combine_block(1.0, ef, 1.0, combine_block(1.0, outer(x1, f1), 1.0, outer(x2, f2))),
+        scale(se, add(ate, combine(a1, x1, a2, x2))),
+        scale(sf, add(atf, combine(b1, x1, b2, x2))),
+        scale(se, add(bte, combine(a1, z1, a2, z2))),
+        scale(sf, add(btf, combine(b1, z1, b2, z2))),
+        (
+            tee + s1 * a1 * a1 + s2 * a2 * a2,
+            se * sf * (s1 * a1 * b1 + s2 * a2 * b2),
+            tff + s1 * b1 * b1 + s2 * b2 * b2,
+        ),
+    )
+    ge, gf = combine(w1, e1, w2, e2), combine(w1, f1, w2, f2)
+    angles = (se * (w1 * a1 + w2 * a2), sf * (w1 * b1 + w2 * b2))
+    return energy, (ge[0], ge[1], ge[2], gf[0], gf[1], gf[2], angles[0], angles[1]), hessian
 
 
 BEND_FRAMED = Kernel(

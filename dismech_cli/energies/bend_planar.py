@@ -28,7 +28,7 @@ def bend_planar(y: Any, a: Any, p: Any) -> Any:
     slope = 1.0 + 0.25 * kappa * kappa  # d kappa / d phi
     d1 = stiffness * elastic * slope  # dE / d phi
     d2 = stiffness * slope * (slope + 0.5 * elastic * kappa)  # d2E / d phi2
-    # grad of an edge's direction angle is u = (-y, x)/|.|^2; its Hessian is -(u w^T + w u^T), w = (x, y)/|.|^2
+    # grad of an edge's direction angle is u = (-y, x)/|.|^2; its Hessian -(u w^T + w u^T), w = (x, y)/|.|^2
     ux, uy, wx, wy = -ey / ee, ex / ee, ex / ee, ey / ee
     sx, sy, zx, zy = -fy / ff, fx / ff, fx / ff, fy / ff
     gradient = (-d1 * ux, -d1 * uy, d1 * sx, d1 * sy)

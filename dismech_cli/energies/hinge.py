@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
-from ..geometry.blocks import add_block, add_symmetric, pack_three, scale_symmetric, two_sided
+from ..geometry.blocks import add_block, add_symmetric, pack_three, two_sided
 from ..geometry.kernel import kernel
 from ..geometry.triangle import azimuth_gradient, azimuth_hessian, dihedral_angle, nearest_turn
-from ..geometry.vectors import combine, outer, scale, self_outer, sym_outer
+from ..geometry.vectors import combine, outer, scale, scale_symmetric, self_outer, sym_outer
 from ..model.dofs import DofMap
 from ..model.stencil import Kernel, StencilEnergy, no_auxiliaries
 

@@ -25,14 +25,13 @@ from ..geometry.blocks import (
     add_symmetric,
     outer_sum,
     pack_two,
-    scale_symmetric,
     symmetric_outer_sum,
     two_sided,
 )
 from ..geometry.kernel import kernel
 from ..geometry.rotation import parallel_transport, signed_angle
 from ..geometry.triangle import azimuth_gradient, azimuth_hessian
-from ..geometry.vectors import Vector, add, combine, cross, dot, scale, sub, sym_outer
+from ..geometry.vectors import Vector, add, combine, cross, dot, scale, scale_symmetric, sub, sym_outer
 from ..model.dofs import DofMap
 from ..model.shell import bending_stiffness
 from ..model.shell_frames import ShellFrames

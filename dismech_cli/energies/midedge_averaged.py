@@ -21,13 +21,12 @@ from ..geometry.blocks import (
     add_symmetric,
     outer_sum,
     pack_five,
-    scale_symmetric,
     symmetric_outer_sum,
     two_sided,
 )
 from ..geometry.kernel import kernel
 from ..geometry.triangle import azimuth_gradient, azimuth_hessian, dihedral_angle, nearest_turn
-from ..geometry.vectors import add, combine, outer, scale, self_outer, sub, sym_outer
+from ..geometry.vectors import add, combine, outer, scale, scale_symmetric, self_outer, sub, sym_outer
 from ..model.dofs import DofMap
 from ..model.shell import bending_stiffness
 from ..model.stencil import Kernel, StencilEnergy, no_auxiliaries

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..geometry.kernel import kernel
-from ..geometry.vectors import norm, scale, self_outer
+from ..geometry.vectors import add_identity, norm, scale, scale_symmetric, self_outer
 from ..model.stencil import Kernel
 
 
@@ -24,13 +24,12 @@ def _axial(length: Any, natural: Any, stiffness: Any, rest: Any) -> Any:
 @kernel
 def stretch(y: Any, a: Any, p: Any) -> Any:
     """Energy, gradient and packed Hessian with respect to the edge vector, in space."""
-    length = norm(y)
-    t = scale(1.0 / length, y)
+    e = y[0:3]
+    length = norm(e)
+    t = scale(1.0 / length, e)
     energy, tension, slope = _axial(length, p[0], p[1], p[2])
     geometric = tension / length
-    w = slope - geometric
-    xx, xy, xz, yy, yz, zz = self_outer(t)
-    hessian = (w * xx + geometric, w * xy, w * xz, w * yy + geometric, w * yz, w * zz + geometric)
+    hessian = add_identity(geometric, scale_symmetric(slope - geometric, self_outer(t)))
     return energy, scale(tension, t), hessian
 
 

@@ -9,9 +9,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..geometry.curvature import edge_pair, twist_gradient, twist_hessian
+from ..geometry.curvature import edge_pair, pack_edges_and_angles, twist_gradient, twist_hessian
 from ..geometry.kernel import kernel
-from ..geometry.vectors import scale
+from ..geometry.vectors import combine_block, combine_symmetric, outer, scale, self_outer
 from ..model.stencil import Kernel
 
 
@@ -22,36 +22,26 @@ def twist(y: Any, a: Any, p: Any) -> Any:
     stiffness = p[1] / p[2]
     elastic = sf * y[7] - se * y[6] + a[0] - p[0]
     torque = stiffness * elastic
-    pair = edge_pair((y[0], y[1], y[2]), (y[3], y[4], y[5]))
+    pair = edge_pair(y[0:3], y[3:6])
     ge, gf = twist_gradient(pair)
     ee, ff, ef = twist_hessian(pair)
     u, v = scale(stiffness, ge), scale(stiffness, gf)
-    gradient = (
-        torque * ge[0], torque * ge[1], torque * ge[2],
-        torque * gf[0], torque * gf[1], torque * gf[2],
-        -se * torque, sf * torque,
-    )  # fmt: skip
-    constant = stiffness + 0.0 * torque
-    hessian = (
-        u[0] * ge[0] + torque * ee[0], u[0] * ge[1] + torque * ee[1], u[0] * ge[2] + torque * ee[2],
-        u[0] * gf[0] + torque * ef[0], u[0] * gf[1] + torque * ef[1], u[0] * gf[2] + torque * ef[2],
-        -se * u[0], sf * u[0],
-        u[1] * ge[1] + torque * ee[3], u[1] * ge[2] + torque * ee[4],
-        u[1] * gf[0] + torque * ef[3], u[1] * gf[1] + torque * ef[4], u[1] * gf[2] + torque * ef[5],
-        -se * u[1], sf * u[1],
-        u[2] * ge[2] + torque * ee[5],
-        u[2] * gf[0] + torque * ef[6], u[2] * gf[1] + torque * ef[7], u[2] * gf[2] + torque * ef[8],
-        -se * u[2], sf * u[2],
-        v[0] * gf[0] + torque * ff[0], v[0] * gf[1] + torque * ff[1], v[0] * gf[2] + torque * ff[2],
-        -se * v[0], sf * v[0],
-        v[1] * gf[1] + torque * ff[3], v[1] * gf[2] + torque * ff[4],
-        -se * v[1], sf * v[1],
-        v[2] * gf[2] + torque * ff[5],
-        -se * v[2], sf * v[2],
-        constant, -se * sf * constant,
-        constant,
-    )  # fmt: skip
-    return 0.5 * torque * elastic, gradient, hessian
+    hessian = pack_edges_and_angles(
+        combine_symmetric(torque, ee, stiffness, self_outer(ge)),
+        combine_symmetric(torque, ff, stiffness, self_outer(gf)),
+        combine_block(torque, ef, 1.0, outer(u, gf)),
+        scale(-se, u),
+        scale(sf, u),
+        scale(-se, v),
+        scale(sf, v),
+        (stiffness, -se * sf * stiffness, stiffness),
+    )
+    he, hf = scale(torque, ge), scale(torque, gf)
+    return (
+        0.5 * torque * elastic,
+        (he[0], he[1], he[2], hf[0], hf[1], hf[2], -se * torque, sf * torque),
+        hessian,
+    )
 
 
 TWIST = Kernel(

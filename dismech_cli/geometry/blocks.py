@@ -28,12 +28,6 @@ def add_block(a: Block, b: Block) -> Block:
 
 
 @kernel
-def scale_symmetric(s: Any, a: Block) -> Block:
-    """Return s a of a packed symmetric block."""
-    return (s * a[0], s * a[1], s * a[2], s * a[3], s * a[4], s * a[5])
-
-
-@kernel
 def two_sided(n: Vector, y: Vector, w: Vector) -> Block:
     """Return n y^T + w n^T, nine entries by rows."""
     return (

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from .kernel import kernel
-from .vectors import Vector, combine, cross, dot, norm, scale
+from .vectors import Vector, add, combine, cross, dot, norm, scale
 
 # Below |t0 x t1|^2 of this size antiparallel tangents define no plane of rotation.
 _TINY = 1e-300
@@ -25,9 +25,7 @@ def parallel_transport(u: Vector, t0: Vector, t1: Vector) -> Vector:
     c = dot(t0, t1)
     acute = 1.0 * (c.real > 0.0)
     factor = acute / (2.0 - acute + acute * c) + (1.0 - acute) * (1.0 - c) / (dot(b, b) + acute + _TINY)
-    bu = cross(b, u)
-    w = factor * dot(b, u)
-    return (c * u[0] + bu[0] + w * b[0], c * u[1] + bu[1] + w * b[1], c * u[2] + bu[2] + w * b[2])
+    return add(combine(c, u, factor * dot(b, u), b), cross(b, u))
 
 
 @kernel

@@ -1,7 +1,8 @@
-"""Arithmetic of 2- and 3-component vectors and packed symmetric blocks, for kernels.
+"""Arithmetic of 3-component vectors and 3x3 blocks, for kernels.
 
-A symmetric 3x3 block is packed as its upper triangle ``(xx, xy, xz, yy, yz, zz)``; a general one
-is the tuple of its nine entries by rows.
+A symmetric block is packed as its upper triangle ``(xx, xy, xz, yy, yz, zz)``; a general one is
+the tuple of its nine entries by rows. Each operation has two texts: one for tuples of numbers, and
+the NumPy idiom for arrays with one row per component (see :mod:`.kernel`).
 """
 
 from __future__ import annotations
@@ -10,77 +11,101 @@ from typing import Any
 
 import numpy as np
 
-from .kernel import kernel
+from .kernel import operation
 
 Vector = Any
 Block = Any
 
 
-@kernel
+@operation(lambda a, b: a + b)
 def add(a: Vector, b: Vector) -> Vector:
     """Return a + b."""
     return (a[0] + b[0], a[1] + b[1], a[2] + b[2])
 
 
-@kernel
+@operation(lambda a, b: a - b)
 def sub(a: Vector, b: Vector) -> Vector:
     """Return a - b."""
     return (a[0] - b[0], a[1] - b[1], a[2] - b[2])
 
 
-@kernel
+@operation(lambda s, a: s * a)
 def scale(s: Any, a: Vector) -> Vector:
     """Return s a."""
     return (s * a[0], s * a[1], s * a[2])
 
 
-@kernel
+@operation(lambda s, a, r, b: s * a + r * b)
 def combine(s: Any, a: Vector, r: Any, b: Vector) -> Vector:
     """Return s a + r b."""
     return (s * a[0] + r * b[0], s * a[1] + r * b[1], s * a[2] + r * b[2])
 
 
-@kernel
+@operation(lambda a, b: np.einsum("in,in->n", a, b))
 def dot(a: Vector, b: Vector) -> Any:
     """Return a . b."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-@kernel
+def _cross(a: Any, b: Any) -> Any:
+    out = np.empty(a.shape)
+    np.multiply(a[1], b[2], out=out[0])
+    np.multiply(a[2], b[0], out=out[1])
+    np.multiply(a[0], b[1], out=out[2])
+    out[0] -= a[2] * b[1]
+    out[1] -= a[0] * b[2]
+    out[2] -= a[1] * b[0]
+    return out
+
+
+@operation(_cross)
 def cross(a: Vector, b: Vector) -> Vector:
     """Return a x b."""
     return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
 
 
-@kernel
+@operation(lambda a: np.sqrt(np.einsum("in,in->n", a, a)))
 def norm(a: Vector) -> Any:
     """Return |a|."""
     return np.sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2])
 
 
-@kernel
+@operation(lambda a, b: (a[:, None] * b).reshape(9, -1))
 def outer(a: Vector, b: Vector) -> Block:
     """Return a b^T, nine entries by rows."""
     return (
-        a[0] * b[0],
-        a[0] * b[1],
-        a[0] * b[2],
-        a[1] * b[0],
-        a[1] * b[1],
-        a[1] * b[2],
-        a[2] * b[0],
-        a[2] * b[1],
-        a[2] * b[2],
-    )
+        a[0] * b[0], a[0] * b[1], a[0] * b[2],
+        a[1] * b[0], a[1] * b[1], a[1] * b[2],
+        a[2] * b[0], a[2] * b[1], a[2] * b[2],
+    )  # fmt: skip
 
 
-@kernel
+def _self_outer(a: Any) -> Any:
+    out = np.empty((6, a.shape[1]))
+    np.multiply(a[0], a, out=out[:3])
+    np.multiply(a[1], a[1:], out=out[3:5])
+    np.multiply(a[2], a[2], out=out[5])
+    return out
+
+
+@operation(_self_outer)
 def self_outer(a: Vector) -> Block:
     """Return a a^T, packed symmetric."""
     return (a[0] * a[0], a[0] * a[1], a[0] * a[2], a[1] * a[1], a[1] * a[2], a[2] * a[2])
 
 
-@kernel
+def _sym_outer(a: Any, b: Any) -> Any:
+    out = np.empty((6, a.shape[1]))
+    np.multiply(a[0], b, out=out[:3])
+    np.multiply(a[1], b[1:], out=out[3:5])
+    np.multiply(a[2], b[2], out=out[5])
+    out[:3] += b[0] * a
+    out[3:5] += b[1] * a[1:]
+    out[5] += b[2] * a[2]
+    return out
+
+
+@operation(_sym_outer)
 def sym_outer(a: Vector, b: Vector) -> Block:
     """Return a b^T + b a^T, packed symmetric."""
     return (
@@ -91,3 +116,64 @@ def sym_outer(a: Vector, b: Vector) -> Block:
         a[1] * b[2] + a[2] * b[1],
         2.0 * a[2] * b[2],
     )
+
+
+@operation(lambda s, a: s * a)
+def scale_symmetric(s: Any, a: Block) -> Block:
+    """Return s a of a packed symmetric block."""
+    return (s * a[0], s * a[1], s * a[2], s * a[3], s * a[4], s * a[5])
+
+
+@operation(lambda s, a, r, b: s * a + r * b)
+def combine_symmetric(s: Any, a: Block, r: Any, b: Block) -> Block:
+    """Return s a + r b of packed symmetric blocks."""
+    return (
+        s * a[0] + r * b[0], s * a[1] + r * b[1], s * a[2] + r * b[2],
+        s * a[3] + r * b[3], s * a[4] + r * b[4], s * a[5] + r * b[5],
+    )  # fmt: skip
+
+
+@operation(lambda s, a, r, b: s * a + r * b)
+def combine_block(s: Any, a: Block, r: Any, b: Block) -> Block:
+    """Return s a + r b of general blocks."""
+    return (
+        s * a[0] + r * b[0], s * a[1] + r * b[1], s * a[2] + r * b[2],
+        s * a[3] + r * b[3], s * a[4] + r * b[4], s * a[5] + r * b[5],
+        s * a[6] + r * b[6], s * a[7] + r * b[7], s * a[8] + r * b[8],
+    )  # fmt: skip
+
+
+def _expand(a: Any) -> Any:
+    return a[[0, 1, 2, 1, 3, 4, 2, 4, 5]]
+
+
+@operation(_expand)
+def expand(a: Block) -> Block:
+    """Return the nine entries of a packed symmetric block."""
+    return (a[0], a[1], a[2], a[1], a[3], a[4], a[2], a[4], a[5])
+
+
+def _add_identity(s: Any, a: Any) -> Any:
+    out = a.copy()
+    out[[0, 3, 5]] += s
+    return out
+
+
+@operation(_add_identity)
+def add_identity(s: Any, a: Block) -> Block:
+    """Return s I + a of a packed symmetric block."""
+    return (a[0] + s, a[1], a[2], a[3] + s, a[4], a[5] + s)
+
+
+def _skew(a: Any) -> Any:
+    out = np.zeros((9, a.shape[1]))
+    out[1], out[2], out[5] = -a[2], a[1], -a[0]
+    out[3], out[6], out[7] = a[2], -a[1], a[0]
+    return out
+
+
+@operation(_skew)
+def skew(a: Vector) -> Block:
+    """Return the matrix of a x, nine entries by rows."""
+    zero = 0.0 * a[0]
+    return (zero, -a[2], a[1], a[2], zero, -a[0], -a[1], a[0], zero)

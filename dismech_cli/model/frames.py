@@ -94,7 +94,7 @@ def edge_frame(x: Any) -> Any:
 
     Input: edge vector (3), stored tangent (3), stored a1 (3), theta.
     """
-    e, t0, d0 = (x[0], x[1], x[2]), (x[3], x[4], x[5]), (x[6], x[7], x[8])
+    e, t0, d0 = x[0:3], x[3:6], x[6:9]
     t = scale(1.0 / norm(e), e)
     a1 = orthonormal_to(parallel_transport(d0, t0, t), t)
     a2 = cross(t, a1)
@@ -114,8 +114,7 @@ def joint_reference_twist(x: Any) -> Any:
     transported director is first turned back by the stored twist, so only the change since then
     passes through atan2 and no 2 pi jump can occur while it stays below pi.
     """
-    te, tf = (x[0], x[1], x[2]), (x[3], x[4], x[5])
-    ae, af, stored = (x[6], x[7], x[8]), (x[9], x[10], x[11]), x[12]
+    te, tf, ae, af, stored = x[0:3], x[3:6], x[6:9], x[9:12], x[12]
     u = rotate_about(parallel_transport(ae, te, tf), tf, stored)
     return (stored + signed_angle(u, af, tf),)
 
@@ -153,12 +152,13 @@ class RodFrames:
 
     def transport(self, stored: FrameState, q: FloatArray) -> TrialFrames:
         """Frames at ``q``, parallel-transported from the stored ones."""
-        n = len(self.angles)
-        inputs = np.empty((10, n))
-        np.subtract(q[self.heads], q[self.tails], out=inputs[0:3])
+        inputs = np.empty((10, len(self.angles)))
+        # mode="clip" lets NumPy gather without a second buffer; all indices are valid
+        np.take(q, self.heads, out=inputs[0:3], mode="clip")
+        inputs[0:3] -= q.take(self.tails, mode="clip")
         inputs[3:6] = stored.tangent
         inputs[6:9] = stored.director
-        inputs[9] = q[self.angles]
+        np.take(q, self.angles, out=inputs[9], mode="clip")
         out = self.driver.map(edge_frame, inputs, 12)
         tangent, director = out[6:9], out[9:12]
         beta = self._reference_twist(tangent, director, stored.reference_twist)
@@ -167,10 +167,12 @@ class RodFrames:
     def _reference_twist(self, tangent: FloatArray, director: FloatArray, stored: FloatArray) -> FloatArray:
         e, f = self.joint_edges[:, 0], self.joint_edges[:, 1]
         inputs = np.empty((13, len(e)))
-        np.multiply(tangent[:, e], self.joint_signs[:, 0], out=inputs[0:3])
-        np.multiply(tangent[:, f], self.joint_signs[:, 1], out=inputs[3:6])
-        inputs[6:9] = director[:, e]
-        inputs[9:12] = director[:, f]
+        np.take(tangent, e, axis=1, out=inputs[0:3], mode="clip")
+        np.take(tangent, f, axis=1, out=inputs[3:6], mode="clip")
+        np.take(director, e, axis=1, out=inputs[6:9], mode="clip")
+        np.take(director, f, axis=1, out=inputs[9:12], mode="clip")
+        inputs[0:3] *= self.joint_signs[:, 0]
+        inputs[3:6] *= self.joint_signs[:, 1]
         inputs[12] = stored
         return self.driver.map(joint_reference_twist, inputs, 1)[0]
 
@@ -199,7 +201,11 @@ def space_parallel(tangents: FloatArray, given: FloatArray) -> FloatArray:
         else:
             t0, a0 = previous
             # antiparallel neighbours define no rotation: any normal director is as good
-            a = a0 if np.linalg.norm(np.cross(t0, t)) < 1e-10 else np.array(parallel_transport(a0, t0, t))
-        out[i] = orthonormal_to(a, t)
+            a = (
+                a0
+                if np.linalg.norm(np.cross(t0, t)) < 1e-10
+                else np.array(parallel_transport(tuple(a0), tuple(t0), tuple(t)))
+            )
+        out[i] = orthonormal_to(tuple(a), tuple(t))
         previous = (t, out[i])
     return out

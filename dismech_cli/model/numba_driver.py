@@ -1,276 +1,180 @@
 """Runs the same kernel text in compiled loops (extra ``[fast]``).
 
-Compiled code is cached on disk in a folder named by a hash of all kernel sources: Numba's own
-cache does not notice an edit of a function that a loop calls.
+The loops are modules in the user's cache folder, in a subfolder named by a hash of all kernel
+sources: Numba's own cache does not notice an edit of a function that a loop calls.
 """
 
 from __future__ import annotations
 
 import hashlib
+import importlib.util
 import os
+import sys
 import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..arrays import FloatArray, IntArray
 from ..geometry.kernel import marked_kernels
 from .drag import DragKernel
 from .driver import DragLoop, StencilLoop
+from .numba_source import drag_source, map_source, stencil_source
 from .stencil import Kernel
 from .term import Linearization, Pattern
 
-# Reassociation and contraction only: never nnan or ninf, which delete checks for NaN.
-_FASTMATH = {"nsz", "arcp", "contract", "afn", "reassoc"}
+# Reassociation and contraction only: never nnan or ninf, which delete checks for NaN. Kernels are
+# inlined into their loops, so that a loop that wants the residual alone computes nothing else.
+_KERNEL_OPTIONS = {"fastmath": {"nsz", "arcp", "contract", "afn", "reassoc"}, "forceinline": True}
 
 
+@cache
 def cache_folder() -> Path:
-    """Folder of the compiled code: user cache directory / hash of the package sources."""
+    """Folder of loops and compiled code: user cache directory / hash of the kernel sources.
+
+    ``DISMECH_CACHE`` names another place; without a writable one a temporary folder serves.
+    """
     package = Path(__file__).resolve().parents[1]
     digest = hashlib.sha256()
-    for source in sorted([*package.glob("*/*.py")]):
-        digest.update(source.read_bytes())
-    base = os.environ.get("DISMECH_CACHE") or os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
-    folder = Path(base) / "dismech" / "kernels" / digest.hexdigest()[:16]
+    for folder in ("geometry", "model", "energies", "forces"):
+        for source in sorted((package / folder).glob("*.py")):
+            digest.update(source.read_bytes())
+    base = os.environ.get("DISMECH_CACHE") or os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+    name = digest.hexdigest()[:16]
+    folder = Path(base) / "dismech" / "kernels" / name
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError:
-        folder = Path(tempfile.gettempdir()) / f"dismech-kernels-{digest.hexdigest()[:16]}"
+        folder = Path(tempfile.gettempdir()) / f"dismech-kernels-{os.getuid()}-{name}"
         folder.mkdir(parents=True, exist_ok=True)
     return folder
 
 
-@cache
-def _numba() -> Any:
-    """Import Numba once, point its cache at our folder and register all kernel text."""
+def is_compiled(folder: Path) -> bool:
+    """Whether some kernels of these sources have been compiled before."""
+    return any(folder.rglob("*.nbi"))
+
+
+_REGISTERED: set[Callable[..., Any]] = set()
+
+
+def _returning(text: Callable[..., Any]) -> Callable[..., Any]:
+    """What ``numba.extending.overload`` wants: a function that returns the text to compile."""
+
+    def choose(*args: Any, **kwargs: Any) -> Callable[..., Any]:
+        return text
+
+    return choose
+
+
+def _load(name: str, text: str) -> ModuleType:
+    """Import a module of loops, writing it first where its text is not on disk yet."""
     import numba
 
     numba.config.CACHE_DIR = str(cache_folder())
-    for function in marked_kernels():
-        numba.extending.register_jitable(fastmath=_FASTMATH)(function)
-    return numba
+    for function, compiled in marked_kernels():
+        if function not in _REGISTERED:
+            numba.extending.overload(function, jit_options=_KERNEL_OPTIONS, strict=False)(
+                _returning(compiled)
+            )
+            _REGISTERED.add(function)
+    path = cache_folder() / f"{name}.py"
+    if not path.exists() or path.read_text(encoding="utf-8") != text:
+        # written aside and renamed: two runs may start at the same time
+        partial = path.with_suffix(f".{os.getpid()}.tmp")
+        partial.write_text(text, encoding="utf-8")
+        partial.replace(path)
+    spec = importlib.util.spec_from_file_location(f"dismech_loops_{name}", path)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    # code loaded from Numba's cache looks its module up by name
+    sys.modules[spec.name] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+def _unsigned(indices: IntArray) -> NDArray[np.uint64]:
+    """Row-major unsigned indices: Numba then leaves out the check for negative ones."""
+    return np.ascontiguousarray(indices, dtype=np.uint64)
 
 
 @cache
-def _stencil_loops(kernel_function: Callable[..., Any], shape: tuple[int, int, int, int, int]) -> Any:
-    """Compile energy, residual and linearization loops of one kernel.
-
-    Args:
-        kernel_function: The kernel.
-        shape: Position components, angles, R, auxiliaries, parameters.
-    """
-    numba = _numba()
-    from numba.np.unsafe.ndarray import to_fixed_tuple
-
-    n_vectors, n_angles, n_reduced, n_auxiliary, n_parameters = shape
-    jit = numba.njit(cache=True, fastmath=_FASTMATH, error_model="numpy", boundscheck=False)
-
-    @jit
-    def gather(s, q, auxiliary, parameters, tails, heads, angles, indices, y, a, p):  # type: ignore[no-untyped-def]
-        for k in range(n_vectors):
-            y[k] = q[heads[s, k]] - q[tails[s, k]]
-        for k in range(n_angles):
-            y[n_vectors + k] = q[angles[s, k]]
-        for k in range(n_auxiliary):
-            a[k] = auxiliary[indices[s, k]]
-        for k in range(n_parameters):
-            p[k] = parameters[k, s]
-        return kernel_function(
-            to_fixed_tuple(y, n_reduced), to_fixed_tuple(a, n_auxiliary), to_fixed_tuple(p, n_parameters)
-        )
-
-    @jit
-    def energies(q, auxiliary, parameters, tails, heads, angles, indices, out):  # type: ignore[no-untyped-def]
-        y, a, p = np.empty(n_reduced), np.empty(n_auxiliary), np.empty(n_parameters)
-        for s in range(len(out)):
-            out[s] = gather(s, q, auxiliary, parameters, tails, heads, angles, indices, y, a, p)[0]
-
-    @jit
-    def residual(q, auxiliary, parameters, tails, heads, angles, indices, r):  # type: ignore[no-untyped-def]
-        y, a, p = np.empty(n_reduced), np.empty(n_auxiliary), np.empty(n_parameters)
-        for s in range(parameters.shape[1]):
-            g = gather(s, q, auxiliary, parameters, tails, heads, angles, indices, y, a, p)[1]
-            for k in range(n_vectors):
-                r[heads[s, k]] += g[k]
-                r[tails[s, k]] -= g[k]
-            for k in range(n_angles):
-                r[angles[s, k]] += g[n_vectors + k]
-
-    @jit
-    def linearization(  # type: ignore[no-untyped-def]
-        q, auxiliary, parameters, tails, heads, angles, indices, r, values, slots, pairs, packed, factors
-    ):
-        y, a, p = np.empty(n_reduced), np.empty(n_auxiliary), np.empty(n_parameters)
-        block = np.empty(slots.shape[1])
-        for s in range(parameters.shape[1]):
-            _, g, h = gather(s, q, auxiliary, parameters, tails, heads, angles, indices, y, a, p)
-            for k in range(n_vectors):
-                r[heads[s, k]] += g[k]
-                r[tails[s, k]] -= g[k]
-            for k in range(n_angles):
-                r[angles[s, k]] += g[n_vectors + k]
-            block[:] = 0.0
-            for m in range(len(pairs)):
-                block[pairs[m]] += factors[m] * h[packed[m]]
-            for m in range(len(block)):
-                values[slots[s, m]] += block[m]
-
-    return energies, residual, linearization
+def _stencil_loops(kernel: Kernel) -> ModuleType:
+    return _load(f"{kernel.function.__name__}_stencils", stencil_source(kernel))
 
 
 class NumbaStencilLoop:
     """Serial compiled loop over stencils."""
 
     def __init__(self, kernel: Kernel, dofs: IntArray, auxiliaries: IntArray, pattern: Pattern) -> None:
-        d = kernel.dimension
-        tails = np.array([t * d + i for t, _ in kernel.vectors for i in range(d)])
-        heads = np.array([h * d + i for _, h in kernel.vectors for i in range(d)])
-        angles = d * kernel.nodes + np.arange(kernel.angles)
-        self._indices = tuple(
-            np.ascontiguousarray(x, dtype=np.int64)
-            for x in (dofs[:, tails], dofs[:, heads], dofs[:, angles], auxiliaries)
-        )
-        shape = (
-            d * len(kernel.vectors),
-            kernel.angles,
-            kernel.reduced,
-            kernel.auxiliaries,
-            kernel.parameters,
-        )
-        self._energies, self._residual, self._linearization = _stencil_loops(kernel.function, shape)
+        self._loops = _stencil_loops(kernel)
+        self._indices = (_unsigned(dofs), _unsigned(auxiliaries))
         i, j = kernel.local_pairs
-        slots = np.ascontiguousarray(pattern.symmetric_slots(dofs[:, i], dofs[:, j]))
-        self._tables = (slots, *(np.ascontiguousarray(x) for x in kernel.hessian_table))
+        self._slots = _unsigned(pattern.symmetric_slots(dofs[:, i], dofs[:, j]))
 
     def energy(self, q: FloatArray, auxiliary: FloatArray, parameters: FloatArray) -> FloatArray:
         """Energy of each stencil [J]."""
         out = np.empty(parameters.shape[1])
-        self._energies(q, auxiliary, parameters, *self._indices, out)
+        self._loops.energies(q, auxiliary, parameters, *self._indices, out)
         return out
 
     def add_residual(
         self, q: FloatArray, auxiliary: FloatArray, parameters: FloatArray, r: FloatArray
     ) -> None:
         """Add dE/dq."""
-        self._residual(q, auxiliary, parameters, *self._indices, r)
+        self._loops.residual(q, auxiliary, parameters, *self._indices, r)
 
     def add_linearization(
         self, q: FloatArray, auxiliary: FloatArray, parameters: FloatArray, into: Linearization
     ) -> None:
         """Add dE/dq and d2E/dq2."""
-        self._linearization(
-            q, auxiliary, parameters, *self._indices, into.residual, into.stiffness, *self._tables
+        self._loops.linearization(
+            q, auxiliary, parameters, *self._indices, into.residual, into.stiffness, self._slots
         )
 
 
 @cache
-def _drag_loops(kernel_function: Callable[..., Any], shape: tuple[int, int, int]) -> Any:
-    """Compile residual and linearization loops of one drag kernel.
-
-    Args:
-        kernel_function: The kernel.
-        shape: Edge-vector components, force components, parameters.
-    """
-    numba = _numba()
-    from numba.np.unsafe.ndarray import to_fixed_tuple
-
-    n_vectors, n_forces, n_parameters = shape
-    jit = numba.njit(cache=True, fastmath=_FASTMATH, error_model="numpy", boundscheck=False)
-
-    @jit
-    def gather(s, q, v, parameters, tails, heads, loaded, y, u, p):  # type: ignore[no-untyped-def]
-        for k in range(n_vectors):
-            y[k] = q[heads[s, k]] - q[tails[s, k]]
-        for k in range(n_forces):
-            u[k] = v[loaded[s, k]]
-        for k in range(n_parameters):
-            p[k] = parameters[k, s]
-        return kernel_function(
-            to_fixed_tuple(y, n_vectors), to_fixed_tuple(u, n_forces), to_fixed_tuple(p, n_parameters)
-        )
-
-    @jit
-    def residual(q, v, parameters, tails, heads, loaded, r):  # type: ignore[no-untyped-def]
-        y, u, p = np.empty(n_vectors), np.empty(n_forces), np.empty(n_parameters)
-        for s in range(parameters.shape[1]):
-            f = gather(s, q, v, parameters, tails, heads, loaded, y, u, p)[0]
-            for k in range(n_forces):
-                r[loaded[s, k]] += f[k]
-
-    @jit
-    def linearization(  # type: ignore[no-untyped-def]
-        q, v, parameters, tails, heads, loaded, r, stiffness, damping, k_slots, k_index, k_sign, c_slots
-    ):
-        y, u, p = np.empty(n_vectors), np.empty(n_forces), np.empty(n_parameters)
-        for s in range(parameters.shape[1]):
-            f, dy, du = gather(s, q, v, parameters, tails, heads, loaded, y, u, p)
-            for k in range(n_forces):
-                r[loaded[s, k]] += f[k]
-            for m in range(len(k_index)):
-                stiffness[k_slots[s, m]] += k_sign[m] * dy[k_index[m]]
-            for m in range(n_forces * n_forces):
-                damping[c_slots[s, m]] += du[m]
-
-    return residual, linearization
+def _drag_loops(kernel: DragKernel) -> ModuleType:
+    return _load(f"{kernel.function.__name__}_drag", drag_source(kernel))
 
 
 class NumbaDragLoop:
     """Serial compiled loop over drag stencils."""
 
     def __init__(self, kernel: DragKernel, dofs: IntArray, pattern: Pattern) -> None:
-        d = kernel.dimension
-        tails = np.array([t * d + i for t, _ in kernel.vectors for i in range(d)])
-        heads = np.array([h * d + i for _, h in kernel.vectors for i in range(d)])
+        self._loops = _drag_loops(kernel)
+        self._dofs = _unsigned(dofs)
         loaded = dofs[:, kernel.loaded_dofs]
-        self._indices = tuple(np.ascontiguousarray(x) for x in (dofs[:, tails], dofs[:, heads], loaded))
-        row, column, index, sign = kernel.stiffness_table
+        row, column, _, _ = kernel.stiffness_table
         i, j = np.divmod(np.arange(kernel.forces**2), kernel.forces)
-        self._tables = tuple(
-            np.ascontiguousarray(x)
-            for x in (
-                pattern.slots_of(dofs[:, row], dofs[:, column]),
-                index,
-                sign,
-                pattern.slots_of(loaded[:, i], loaded[:, j]),
-            )
-        )
-        self._residual, self._linearization = _drag_loops(
-            kernel.function, (kernel.reduced, kernel.forces, kernel.parameters)
+        self._slots = (
+            _unsigned(pattern.slots_of(dofs[:, row], dofs[:, column])),
+            _unsigned(pattern.slots_of(loaded[:, i], loaded[:, j])),
         )
 
     def add_residual(self, q: FloatArray, v: FloatArray, parameters: FloatArray, r: FloatArray) -> None:
         """Add -f."""
-        self._residual(q, v, parameters, *self._indices, r)
+        self._loops.residual(q, v, parameters, self._dofs, r)
 
     def add_linearization(
         self, q: FloatArray, v: FloatArray, parameters: FloatArray, into: Linearization
     ) -> None:
         """Add -f, -df/dq and -df/dv."""
-        self._linearization(
-            q, v, parameters, *self._indices, into.residual, into.stiffness, into.damping, *self._tables
+        self._loops.linearization(
+            q, v, parameters, self._dofs, into.residual, into.stiffness, into.damping, *self._slots
         )
 
 
 @cache
-def _map_loop(function: Callable[..., Any], inputs: int, outputs: int) -> Any:
-    numba = _numba()
-    from numba.np.unsafe.ndarray import to_fixed_tuple
-
-    @numba.njit(cache=True, fastmath=_FASTMATH, error_model="numpy", boundscheck=False)
-    def loop(x, out):  # type: ignore[no-untyped-def]
-        column = np.empty(inputs)
-        for s in range(x.shape[1]):
-            for k in range(inputs):
-                column[k] = x[k, s]
-            result = function(to_fixed_tuple(column, inputs))
-            for k in range(outputs):
-                out[k, s] = result[k]
-
-    return loop
+def _map_loop(function: Callable[..., Any], inputs: int, outputs: int) -> ModuleType:
+    return _load(f"{function.__name__}_map", map_source(function, inputs, outputs))
 
 
 @dataclass(frozen=True, slots=True)
@@ -290,5 +194,5 @@ class NumbaDriver:
     def map(self, function: Callable[[Any], Any], inputs: FloatArray, outputs: int) -> FloatArray:
         """Apply a kernel column by column."""
         out = np.empty((outputs, inputs.shape[1]))
-        _map_loop(function, len(inputs), outputs)(inputs, out)
+        _map_loop(function, len(inputs), outputs).loop(inputs, out)
         return out

@@ -100,7 +100,7 @@ class NumpyStencilLoop:
         a = auxiliary[self._auxiliaries]
         for chunk in _chunks(self._y.shape[1]):
             energy, gradient, hessian = self._kernel.function(
-                tuple(self._y[:, chunk]), tuple(a[:, chunk]), tuple(parameters[:, chunk])
+                self._y[:, chunk], a[:, chunk], parameters[:, chunk]
             )
             self._energy[chunk] = energy
             for target, value in zip(self._gradient, gradient, strict=True):
@@ -154,7 +154,7 @@ class NumpyDragLoop:
         self, q: FloatArray, v: FloatArray, parameters: FloatArray
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
         y = q[self._heads] - q[self._tails]
-        force, stiffness, damping = self._kernel.function(tuple(y), tuple(v[self._loaded]), tuple(parameters))
+        force, stiffness, damping = self._kernel.function(y, v[self._loaded], parameters)
         return _rows(force, y.shape[1]), _rows(stiffness, y.shape[1]), _rows(damping, y.shape[1])
 
     def _add(self, force: FloatArray, r: FloatArray) -> None:
@@ -184,4 +184,4 @@ class NumpyDriver:
 
     def map(self, function: Callable[[Any], Any], inputs: FloatArray, outputs: int) -> FloatArray:
         """Apply a kernel column by column."""
-        return _rows(function(tuple(inputs)), inputs.shape[1])
+        return _rows(function(inputs), inputs.shape[1])

@@ -118,7 +118,7 @@ class ImplicitEuler:
     needs_acceleration: ClassVar[bool] = False
 
     def stage(self, index: int, start: State, latest: State, dt: float) -> Stage:
-        """v = (q - q_n)/dt, a = (v - v_n)/dt."""
+        """V = (q - q_n)/dt, a = (v - v_n)/dt."""
         v_const = -start.q / dt
         a_const = (v_const - start.v) / dt
         return Stage(

@@ -16,13 +16,12 @@ from ..model.frames import FrameState
 from .integrators import Stage
 from .linear import FactorizationError, LinearSolver
 from .status import Status
-from .system import Balance, System
+from .system import Linearized, System
 
-# The residual is tested after an update only if it moved no node further than this fraction of
-# an edge: before that, quadratic convergence has not begun.
-_TEST_BELOW = 0.05
 # Full steps get this many iterations before the line search takes over from the predictor.
 _FULL_STEPS = 20
+# A step this many times the size of the model means that nothing resists it.
+_RUNAWAY = 1e6
 # Armijo's constant and the shortest step of the energy line search.
 _ARMIJO, _SHORTEST = 1e-4, 2.0**-20
 
@@ -97,37 +96,33 @@ def _full_steps(
 ) -> NewtonResult:
     q = guess.copy()
     free = system.pattern.free
-    split = system.model.dofs.n_positions
-    reach = _TEST_BELOW * system.model.length
-    iterations, status, settled = 0, Status.MAX_ITERATIONS, False
-    r = system.linearize(stage, q, stored)
-    for _ in range(min(settings.max_iterations, _FULL_STEPS)):
-        residual, values = r
-        floor, size = system.round_off(values, q), _free_max(residual, free)
-        if not np.isfinite(floor + size):
-            return _failed(q, residual, free, Status.NOT_FINITE, iterations)
-        if size == 0.0:
-            return _done(q, residual, free, iterations)
+    at_node = free < system.model.dofs.n_positions
+    far = _RUNAWAY * system.extent
+    floor, settled = 0.0, False
+    for iterations in range(min(settings.max_iterations, _FULL_STEPS) + 1):
+        now = system.linearize(stage, q, stored)
+        if iterations == 0:
+            floor = system.round_off(now.values, q)
+        rhs = -now.residual[free]
+        if not np.isfinite(floor + float(rhs @ rhs)):
+            return _failed(q, now.residual, free, Status.NOT_FINITE, iterations)
+        # One step more from where rounding of stiff axial forces hides the rest: soft directions,
+        # whose forces are far smaller, are solved by it too.
+        at_floor = _small(now, system, settings.tolerance, floor)
+        if at_floor and (settled or _small(now, system, settings.tolerance, 0.0)):
+            return _done(q, now.residual, free, iterations)
+        settled = at_floor
         try:
-            solver.factorize(values)
-            step = solver.solve(-residual[free])
+            solver.factorize(now.values)
+            step = solver.solve(rhs)
         except FactorizationError:
-            return _failed(q, residual, free, Status.FACTORIZATION_FAILED, iterations)
-        iterations += 1
+            return _failed(q, now.residual, free, Status.FACTORIZATION_FAILED, iterations)
+        moved = float(np.abs(step[at_node]).max(initial=0.0))
+        if not moved <= far:
+            status = Status.FACTORIZATION_FAILED if np.isfinite(moved) else Status.NOT_FINITE
+            return _failed(q, now.residual, free, status, iterations + 1)
         q[free] += step
-        moved = np.abs(step[free < split]).max(initial=0.0)
-        if not np.isfinite(moved):
-            return _failed(q, residual, free, Status.NOT_FINITE, iterations)
-        if moved <= reach:
-            balance = system.balance(stage, q, stored)
-            # One step more from where rounding of stiff axial forces hides the rest: soft directions,
-            # whose forces are far smaller, are solved by it too.
-            at_floor = _small(balance, system, settings.tolerance, floor)
-            if at_floor and (settled or _small(balance, system, settings.tolerance, 0.0)):
-                return _done(q, balance.residual, free, iterations)
-            settled = at_floor
-        r = system.linearize(stage, q, stored)
-    return _failed(q, r[0], free, status, iterations)
+    return _failed(q, now.residual, free, Status.MAX_ITERATIONS, iterations)
 
 
 def _line_search(
@@ -144,25 +139,26 @@ def _line_search(
     """
     q = guess.copy()
     free = system.pattern.free
-    iterations, shift = 0, 0.0
+    at_node = free < system.model.dofs.n_positions
+    iterations, shift, floor = 0, 0.0, 0.0
     for _ in range(settings.max_iterations):
-        residual, values = system.linearize(stage, q, stored)
-        floor = system.round_off(values, q)
-        balance = system.balance(stage, q, stored)
-        if not np.isfinite(floor + _free_max(balance.residual, free)):
-            return _failed(q, balance.residual, free, Status.NOT_FINITE, iterations)
-        if _small(balance, system, settings.tolerance, floor):
-            return _done(q, balance.residual, free, iterations)
-        gradient = residual[free].copy()
-        step, shift, solves = _descent(system, solver, values, gradient, shift)
+        now = system.linearize(stage, q, stored)
+        if iterations == 0:
+            floor = system.round_off(now.values, q)
+        gradient = now.residual[free]
+        if not np.isfinite(floor + float(gradient @ gradient)):
+            return _failed(q, now.residual, free, Status.NOT_FINITE, iterations)
+        if _small(now, system, settings.tolerance, floor):
+            return _done(q, now.residual, free, iterations)
+        step, shift, solves = _descent(system, solver, now.values, gradient, shift)
         iterations += solves
-        if step is None:
-            return _failed(q, residual, free, Status.FACTORIZATION_FAILED, iterations)
+        if step is None or not np.abs(step[at_node]).max(initial=0.0) <= _RUNAWAY * system.extent:
+            return _failed(q, now.residual, free, Status.FACTORIZATION_FAILED, iterations)
         length = _backtrack(system, stage, q, stored, step, gradient)
         if length == 0.0:
-            return _failed(q, residual, free, Status.LINE_SEARCH_FAILED, iterations)
+            return _failed(q, now.residual, free, Status.LINE_SEARCH_FAILED, iterations)
         q[free] += length * step
-    return _failed(q, residual, free, Status.MAX_ITERATIONS, iterations)
+    return _failed(q, now.residual, free, Status.MAX_ITERATIONS, iterations)
 
 
 def _descent(
@@ -208,24 +204,21 @@ def _backtrack(
     return 0.0
 
 
-def _free_max(residual: FloatArray, free: IntArray) -> float:
-    return float(np.abs(residual[free]).max(initial=0.0))
-
-
-def _small(balance: Balance, system: System, tolerance: float, floor: float) -> bool:
-    split, free, length = system.model.dofs.n_positions, system.pattern.free, system.model.length
-    r = np.abs(balance.residual[free])
-    at_node = free < split
-    force = r[at_node].max(initial=0.0)
-    moment = r[~at_node].max(initial=0.0)
-    largest_moment = max(balance.moment, balance.force * length)
+def _small(now: Linearized, system: System, tolerance: float, floor: float) -> bool:
+    """Whether the free residual is small against the model's forces, or within ``floor`` [N]."""
+    forces, moments = now.residual[system.free_positions], now.residual[system.free_angles]
+    length = system.model.length
+    moment = max(now.moment, now.force * length)
     return bool(
-        force <= tolerance * balance.force + floor and moment <= tolerance * largest_moment + floor * length
+        forces @ forces <= (tolerance * now.force + floor) ** 2
+        and moments @ moments <= (tolerance * moment + floor * length) ** 2
     )
 
 
 def _done(q: FloatArray, residual: FloatArray, free: IntArray, iterations: int) -> NewtonResult:
-    return NewtonResult(q, residual.copy(), Status.CONVERGED, iterations, _free_max(residual, free), -1)
+    return NewtonResult(
+        q, residual.copy(), Status.CONVERGED, iterations, float(np.abs(residual[free]).max(initial=0.0)), -1
+    )
 
 
 def _failed(

@@ -18,7 +18,6 @@ from .solvers import LINEAR_SOLVERS, choose_solver
 from .status import Status
 from .system import System
 
-
 _AT_STATE = Weights(q=1.0, v=0.0, a=0.0)
 
 
@@ -113,7 +112,7 @@ class Stepper:
     def negative_eigenvalues(self, state: State) -> int:
         """Negative eigenvalues of the stiffness matrix at a static state."""
         stage = self.integrator.stage(0, state, state, 0.0)
-        _, values = self.system.linearize(stage, state.q, state.frames)
+        values = self.system.linearize(stage, state.q, state.frames).values
         return negative_eigenvalues(self.system.pattern, values)
 
     def _accept(self, stage: Stage, before: State, q: FloatArray) -> State:
@@ -125,7 +124,7 @@ class Stepper:
         return State(stage.t_end, q, v, a, frames)
 
     def _consistent_acceleration(self, state: State) -> FloatArray:
-        """a = -M^-1 r(q, v) on the free DOFs: a wrong start costs Newmark its second order."""
+        """A = -M^-1 r(q, v) on the free DOFs: a wrong start costs Newmark its second order."""
         n = len(state.q)
         zero = np.zeros(n)
         stage = Stage(
@@ -139,7 +138,7 @@ class Stepper:
             v_end=(0.0, zero),
             a_end=(0.0, zero),
         )
-        r = self.system.balance(stage, state.q, state.frames).residual
+        r = self.system.linearize(stage, state.q, state.frames).residual
         movable = ~self._held & (self.model.mass > 0.0)
         a = np.zeros(n)
         a[movable] = -r[movable] / self.model.mass[movable]

@@ -18,16 +18,18 @@ _EPS = float(np.finfo(np.float64).eps)
 
 
 @dataclass(frozen=True, slots=True)
-class Balance:
-    """The residual at a trial point, with the sizes that say when it is small.
+class Linearized:
+    """Residual and tangent at a trial point; the arrays are buffers that the next call overwrites.
 
     Attributes:
         residual: M a + r, shape (n,); reactions on held DOFs.
-        force: Largest force that any term or partial sum of terms exerts on a DOF [N].
+        values: Stored entries of the tangent, shape (slots,).
+        force: Euclidean norm of the largest force that any term, or sum of terms, exerts [N].
         moment: The same for angles [N m].
     """
 
     residual: FloatArray
+    values: FloatArray
     force: float
     moment: float
 
@@ -50,6 +52,12 @@ class System:
         self._buffers = Linearization.of(model.dofs.n, self.pattern.slots)
         self._free_mass = model.mass[self.pattern.free]
         self._has_mass = bool(model.mass.any())
+        self._split = model.dofs.n_positions
+        at_node = self.pattern.free < self._split
+        self._position_slots = self.pattern.diagonal[at_node]
+        self.free_positions = self.pattern.free[at_node]
+        self.free_angles = self.pattern.free[~at_node]
+        self.extent = float(np.ptp(model.dofs.positions(model.rest), axis=0).max())
 
     @property
     def terms(self) -> tuple[BoundTerm, ...]:
@@ -66,26 +74,18 @@ class System:
             self.model.frames.transport(stored, position),
         )
 
-    def balance(self, stage: Stage, q: FloatArray, stored: FrameState) -> Balance:
-        """Residual only, with the force scale."""
-        c = self.configuration(stage, q, stored)
-        split = self.model.dofs.n_positions
-        r = self.model.mass * stage.acceleration(q) if self._has_mass else np.zeros_like(q)
-        force, moment = _largest(r[:split]), _largest(r[split:])
-        for term in self.terms:
-            term.add_residual(c, r)
-            force = max(force, _largest(r[:split]))
-            moment = max(moment, _largest(r[split:]))
-        return Balance(r, force, moment)
-
-    def linearize(self, stage: Stage, q: FloatArray, stored: FrameState) -> tuple[FloatArray, FloatArray]:
-        """Residual (n,) and tangent values (slots,) of a stage; both are reused buffers."""
+    def linearize(self, stage: Stage, q: FloatArray, stored: FrameState) -> Linearized:
+        """Residual and tangent of a stage, with the sizes that say when the residual is small."""
         c = self.configuration(stage, q, stored)
         into, w = self._buffers, stage.weights
         into.residual[:] = 0.0
         into.stiffness[:] = 0.0
+        forces, moments = into.residual[: self._split], into.residual[self._split :]
+        # squares of norms: a partial sum is as large as the forces that will cancel in the whole
+        force = moment = 0.0
         for term in self._symmetric:
             term.add_linearization(c, into)
+            force, moment = max(force, forces @ forces), max(moment, moments @ moments)
         if self._mirror is not None:
             lower, upper = self._mirror
             into.stiffness[lower] = into.stiffness[upper]
@@ -93,15 +93,19 @@ class System:
             into.damping[:] = 0.0
         for term in self._general:
             term.add_linearization(c, into)
+            force, moment = max(force, forces @ forces), max(moment, moments @ moments)
         values = into.stiffness
         if w.q != 1.0:
             values *= w.q
         if self._damped:
             values += w.v * into.damping
         if self._has_mass:
-            into.residual += self.model.mass * stage.acceleration(q)
+            inertia = self.model.mass * stage.acceleration(q)
+            head, tail = inertia[: self._split], inertia[self._split :]
+            force, moment = max(force, head @ head), max(moment, tail @ tail)
+            into.residual += inertia
             values[self.pattern.diagonal] += w.a * self._free_mass
-        return into.residual, values
+        return Linearized(into.residual, values, float(force) ** 0.5, float(moment) ** 0.5)
 
     def potential(self, stage: Stage, q: FloatArray, stored: FrameState) -> tuple[float, FloatArray]:
         """Energy [J] of all potential terms at the stage, and the rest of the residual (n,).
@@ -120,11 +124,8 @@ class System:
         return energy, rest
 
     def round_off(self, values: FloatArray, q: FloatArray) -> float:
-        """Size of the residual that rounding of positions alone explains [N]."""
-        split = self.model.dofs.n_positions
-        diagonal = values[self.pattern.diagonal][self.pattern.free < split]
-        return 2.0 * _EPS * _largest(diagonal) * _largest(q[:split])
-
-
-def _largest(x: FloatArray) -> float:
-    return max(float(x.max()), -float(x.min())) if x.size else 0.0
+        """Norm of the residual that rounding of positions alone explains [N]."""
+        positions = q[: self._split]
+        size = max(float(positions.max(initial=0.0)), -float(positions.min(initial=0.0)))
+        stiffest = float(values[self._position_slots].max(initial=0.0))
+        return 2.0 * _EPS * stiffest * size * len(self._position_slots) ** 0.5
