@@ -255,6 +255,8 @@ def framed_rod(
                 voronoi,
                 signs[:, 0],
                 signs[:, 1],
+                1.0,
+                0.0,
                 count=count,
             ),
             np.stack(director_of, axis=1),

@@ -94,8 +94,14 @@ def _bending_moment(scene: Scene) -> made.Field:
     measure: made.Curvatures
     if scene.plan.bending is Bending.FRAMED:
         assert rods.bending is not None
+        *_, cosine, sine = rods.bending.parameters
         measure = made.MaterialCurvatures(
-            joints.triples, rods.bending_stiffness, rods.bending.natural, rods.auxiliary_indices, joints.signs
+            joints.triples,
+            rods.bending_stiffness,
+            rods.bending.natural,
+            rods.auxiliary_indices,
+            joints.signs,
+            np.arctan2(sine, cosine),
         )
     elif scene.plan.bending is Bending.PLANAR and rods.bending is not None:
         natural, stiffness, _ = rods.bending.parameters

@@ -368,8 +368,11 @@ def _framed(
         axis=1,
     )
     trial = frames.transport(frames.rest(rest), rest)
-    curvature = material_curvatures(skeleton.positions, j.triples, trial.auxiliary, places, j.signs)
-    torsion = trial.state.reference_twist.copy()
+    rest_twist = trial.state.reference_twist
+    curvature = material_curvatures(
+        skeleton.positions, j.triples, trial.auxiliary, places, j.signs, rest_twist
+    )
+    torsion = rest_twist.copy()
     for index in range(len(geometry.rods)):
         members = j.rod == index
         for row, name in ((curvature[0], "curvature_1"), (curvature[1], "curvature_2"), (torsion, "twist")):
@@ -382,7 +385,7 @@ def _framed(
         BEND_FRAMED,
         stencil,
         np.stack(
-            (curvature[0], curvature[1], stiffness[0], stiffness[1], j.voronoi, j.signs[:, 0], j.signs[:, 1])
+            (*curvature, *stiffness, j.voronoi, *j.signs.T, np.cos(rest_twist), np.sin(rest_twist))
         ),
         places,
     )

@@ -2,10 +2,12 @@
 
 The material curvatures k1 = kb.(m2e + m2f)/2 and k2 = -kb.(m1e + m1f)/2 are integrated over the
 Voronoi length (Bergou et al. 2008, 2010). A sign of -1 means that the stencil walks its edge
-backwards: then m1 stays, m2 and theta change sign.
+backwards: then m1 stays, m2 and theta change sign. The directors of edge f are turned back by the
+rest twist psi of the joint before they are averaged with those of e: at a junction of several
+edges no choice of directors is free of such a twist, and averaging across it would soften the joint.
 
 Parameters per stencil, after the natural curvatures k1_0, k2_0 [1]: EI1, EI2 [N m^2], Voronoi
-length l_v [m], signs s_e, s_f [1]. Auxiliary inputs: m1 and m2 of edge e, m1 and m2 of edge f.
+length l_v [m], signs s_e, s_f, cos psi, sin psi [1]. Auxiliary inputs: m1 and m2 of edge e, m1 and m2 of edge f.
 """
 
 from __future__ import annotations
@@ -31,7 +33,9 @@ def bend_framed(y: Any, a: Any, p: Any) -> Any:
     """Energy, gradient and packed Hessian with respect to (e, f, theta_e, theta_f)."""
     se, sf = p[5], p[6]
     m1e, m2e = a[0:3], scale(se, a[3:6])
-    m1f, m2f = a[6:9], scale(sf, a[9:12])
+    # the directors of f, turned to stand as those of e do in the rest shape
+    r1f, r2f = a[6:9], scale(sf, a[9:12])
+    m1f, m2f = combine(p[7], r1f, -p[8], r2f), combine(p[8], r1f, p[7], r2f)
     n1e, n2e, n1f, n2f = scale(-1.0, m1e), scale(-1.0, m2e), scale(-1.0, m1f), scale(-1.0, m2f)
     pair = edge_pair(y[0:3], y[3:6])
     k1, e1, f1, a1, b1 = curvature_gradient(pair, m2e, m2f, n1e, n1f)
@@ -76,5 +80,5 @@ BEND_FRAMED = Kernel(
     angles=2,
     auxiliaries=12,
     naturals=2,
-    parameters=7,
+    parameters=9,
 )

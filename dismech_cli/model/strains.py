@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
 from ..geometry.curvature import curvature_gradient, edge_pair
-from ..geometry.vectors import scale
+from ..geometry.vectors import combine, scale
 
 
 def lengths(positions: FloatArray, edges: IntArray) -> FloatArray:
@@ -25,12 +23,17 @@ def curvature_binormal(positions: FloatArray, nodes: IntArray) -> FloatArray:
         nodes: Node triples of the joints, shape (J, 3).
     """
     e, f = _edge_vectors(positions, nodes)
-    kb = edge_pair(e, f)[5]
-    return np.stack(np.broadcast_arrays(*kb), axis=1)
+    kb: FloatArray = edge_pair(e, f)[5].T
+    return kb
 
 
 def material_curvatures(
-    positions: FloatArray, nodes: IntArray, auxiliary: FloatArray, indices: IntArray, signs: FloatArray
+    positions: FloatArray,
+    nodes: IntArray,
+    auxiliary: FloatArray,
+    indices: IntArray,
+    signs: FloatArray,
+    rest_twist: FloatArray,
 ) -> FloatArray:
     """Integrated material curvatures kappa_1, kappa_2 of each joint, shape (2, J).
 
@@ -40,11 +43,14 @@ def material_curvatures(
         auxiliary: Auxiliary array of the trial frames.
         indices: Places of m1e, m2e, m1f, m2f in it, shape (J, 12).
         signs: Walking directions, shape (J, 2).
+        rest_twist: Twist of the directors of f against those of e at rest [rad], shape (J,).
     """
     e, f = _edge_vectors(positions, nodes)
     a = auxiliary[indices.T]
     m1e, m2e = a[0:3], scale(signs[:, 0], a[3:6])
-    m1f, m2f = a[6:9], scale(signs[:, 1], a[9:12])
+    r1f, r2f = a[6:9], scale(signs[:, 1], a[9:12])
+    c, s = np.cos(rest_twist), np.sin(rest_twist)
+    m1f, m2f = combine(c, r1f, -s, r2f), combine(s, r1f, c, r2f)
     pair = edge_pair(e, f)
     kappa_1 = curvature_gradient(pair, m2e, m2f, m1e, m1f)[0]
     kappa_2 = curvature_gradient(pair, m1e, m1f, m2e, m2f)[0]
@@ -62,7 +68,7 @@ def planar_curvature(positions: FloatArray, nodes: IntArray) -> FloatArray:
     return out
 
 
-def _edge_vectors(positions: FloatArray, nodes: IntArray) -> tuple[Any, Any]:
+def _edge_vectors(positions: FloatArray, nodes: IntArray) -> tuple[FloatArray, FloatArray]:
     e = positions[nodes[:, 1]] - positions[nodes[:, 0]]
     f = positions[nodes[:, 2]] - positions[nodes[:, 1]]
-    return tuple(e.T), tuple(f.T)
+    return e.T, f.T

@@ -105,10 +105,13 @@ class MaterialCurvatures:
     natural: FloatArray
     places: IntArray
     signs: FloatArray
+    rest_twist: FloatArray
 
     def __call__(self, s: Snapshot) -> FloatArray:
         """Values (2, J)."""
-        kappa = material_curvatures(s.positions, self.triples, s.frames.auxiliary, self.places, self.signs)
+        kappa = material_curvatures(
+            s.positions, self.triples, s.frames.auxiliary, self.places, self.signs, self.rest_twist
+        )
         return self.stiffness * (kappa - self.natural)
 
 
