@@ -26,7 +26,7 @@ from .geometry import Geometry, assemble_geometry, weld_joints
 from .holds import resolve_holds
 from .laws import dynamic_laws, static_laws
 from .motions import build_motions, initial_velocity
-from .numerics import build_driver, build_integrator
+from .numerics import build_driver, build_integrator, check_linear_solver
 from .plan import Plan, make_plan
 from .probes import build_probe
 from .rods import build_rods, make_skeleton
@@ -64,6 +64,7 @@ def build(
     holds = resolve_holds(loaded, geometry, laws)
     plan = make_plan(loaded, geometry, holds, kernels)
     planned(plan)
+    check_linear_solver(loaded)
     driver = build_driver(plan.kernels)
     skeleton = make_skeleton(geometry, holds)
     rods = build_rods(loaded, geometry, plan, skeleton, driver)

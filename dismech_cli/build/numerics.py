@@ -6,7 +6,9 @@ from ..model.driver import Driver
 from ..model.numba_driver import NumbaDriver
 from ..model.numpy_driver import NumpyDriver
 from ..scenario import numerics as said
+from ..scenario.load import LoadedScenario
 from ..solve import integrators as made
+from ..solve.pardiso import pardiso_available
 
 DRIVERS: dict[str, type[NumpyDriver] | type[NumbaDriver]] = {"numpy": NumpyDriver, "numba": NumbaDriver}
 
@@ -31,3 +33,16 @@ def build_integrator(spec: said.Integrator) -> made.Integrator:
 def build_driver(name: str) -> Driver:
     """What runs the kernels."""
     return DRIVERS[name]()
+
+
+def check_linear_solver(loaded: LoadedScenario) -> None:
+    """Refuse a linear solver that is not installed.
+
+    Raises:
+        ScenarioError: pointing to the choice.
+    """
+    if loaded.scenario.numerics.linear_solver == "pardiso" and not pardiso_available():
+        raise loaded.error(
+            ("numerics", "linear_solver"),
+            "pypardiso with its MKL library is not installed: pip install pypardiso, or choose auto",
+        )
