@@ -9,6 +9,8 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 
+from ..errors import OutputError
+
 QUIET, NORMAL, VERBOSE = 0, 1, 2
 
 _RED, _YELLOW, _END = "\x1b[31m", "\x1b[33m", "\x1b[0m"
@@ -23,11 +25,14 @@ def emit(text: str) -> None:
 
     Raises:
         ClosedPipeError: If nobody reads it.
+        OutputError: If it cannot be written, as to a file on a full disk.
     """
     try:
         print(text, flush=True)
     except BrokenPipeError:
         raise ClosedPipeError from None
+    except OSError as error:
+        raise OutputError(f"cannot write to standard output: {error.strerror}") from error
 
 
 def colored() -> bool:

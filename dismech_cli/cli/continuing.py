@@ -39,7 +39,9 @@ def proceed(run_dir: Path, pause: Pause, present: Presenting) -> int:
     with RunLock(run_dir), stop_on_signals() as stop:
         manifest = load_manifest(run_dir)
         if manifest.status == "done":
-            present.console.say(f"{run_dir} is finished")
+            present.console.say(
+                f"{run_dir} is finished" + (f"; {manifest.message}" if manifest.message else "")
+            )
             present.result(run_dir, Report(manifest, ()), ())
             return int(manifest.exit_code or 0)
         console = replace(present.console, log=run_dir / LOG_FILE)

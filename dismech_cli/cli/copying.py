@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 
 from ..errors import ScenarioError
 from ..output.durable import output_errors, write_bytes
+from ..scenario.files import parse_source, read_source
 from ..scenario.load import load
 from ..scenario.walk import leaves
 
@@ -38,6 +40,16 @@ def copy_example(example: Path, target: Path) -> list[Path]:
 
 
 def _names(example: Path) -> list[str]:
-    """Files that a scenario names, includes too, relative to it."""
-    scenario = load(example).scenario
-    return list(dict.fromkeys(leaf.value for leaf in leaves(scenario) if leaf.file))
+    """Files that a scenario names and includes, relative to its folder."""
+    named = [leaf.value for leaf in leaves(load(example).scenario) if leaf.file]
+    root = example.parent.resolve()
+    included = [str(file.resolve().relative_to(root)) for file in _included(example)]
+    return list(dict.fromkeys([*included, *named]))
+
+
+def _included(file: Path) -> Iterator[Path]:
+    """The files that a scenario file includes, and those that they include."""
+    node = parse_source(read_source(file, file.name), file.suffix).child("include")
+    for name in () if node is None else node.plain():
+        yield file.parent / name
+        yield from _included(file.parent / name)

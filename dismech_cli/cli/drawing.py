@@ -56,7 +56,7 @@ def draw(run_dir: Path, wishes: Wishes, level: int) -> list[Path]:
             run_dir,
             view=wishes.view or asked.view,
             color_by=color_by,
-            fps=wishes.fps or (asked.fps if "fps" in asked.model_fields_set else None),
+            fps=asked.fps if wishes.fps is None else wishes.fps,
             size=wishes.size or (asked.size[0], asked.size[1]),
             format=kind,
             camera=wishes.camera or asked.camera,

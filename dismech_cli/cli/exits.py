@@ -40,7 +40,8 @@ def leave(app: typer.Typer, arguments: Sequence[str] | None) -> NoReturn:
     except BrokenPipeError:
         code = Exit.CLOSED_PIPE
     except OSError as error:
-        Console().error(f"cannot write to standard output: {error.strerror}")
+        if code != Exit.OUTPUT:
+            Console().error(f"cannot write to standard output: {error.strerror}")
         code = Exit.OUTPUT
     if code == Exit.CLOSED_PIPE:
         # The interpreter flushes once more at its end and would complain.

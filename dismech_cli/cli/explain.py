@@ -33,7 +33,7 @@ def explain(
     from ..scenario.load import load
     from .console import emit
     from .explaining import below
-    from .tables import table
+    from .tables import table, with_unit
 
     loaded = load(
         scenario,
@@ -45,6 +45,6 @@ def explain(
     if json:
         emit(dumps({key: asdict(value) for key, value in found.items()}, indent=2))
     else:
-        rows = [(key, f"{p.value} {p.unit}".strip(), p.origin) for key, p in found.items()]
+        rows = [(key, with_unit(str(p.value), p.unit), p.origin) for key, p in found.items()]
         emit(table(("key", "value", "set by"), rows))
     return 0

@@ -30,13 +30,11 @@ def duration(text: str | float) -> float:
     return seconds
 
 
-def size(text: str | tuple[int, int]) -> tuple[int, int]:
+def size(text: str) -> tuple[int, int]:
     """Width and height of ``1280x720``."""
-    if isinstance(text, tuple):
-        return text
     match = _SIZE.fullmatch(text.strip())
     if match is None:
-        raise typer.BadParameter(f"expected WIDTHxHEIGHT such as 1280x720, got {text!r}")
+        raise typer.BadParameter(f"expected WIDTHxHEIGHT such as 1280x720, got {text!r}", param_hint="--size")
     return int(match[1]), int(match[2])
 
 

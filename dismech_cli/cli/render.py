@@ -50,8 +50,7 @@ def render(
     ] = None,
     fps: Annotated[float | None, typer.Option("--fps", help="Frames per second of a video.")] = None,
     size: Annotated[
-        tuple[int, int] | None,
-        typer.Option("--size", metavar="WIDTHxHEIGHT", parser=options.size, help="Such as 1280x720."),
+        str | None, typer.Option("--size", metavar="WIDTHxHEIGHT", help="Such as 1280x720.")
     ] = None,
     format: Annotated[
         Format | None, typer.Option("--format", help="Only this: a video, or a picture of the last frame.")
@@ -74,7 +73,7 @@ def render(
         view=None if view is None else view.value,
         color_by=color_by,
         fps=fps,
-        size=size,
+        size=None if size is None else options.size(size),
         format=None if format is None else format.value,
         camera=None if camera is None else camera.value,
         output=output,

@@ -79,11 +79,11 @@ def conduct(session: Session, stop: StopRequest) -> Report:
         outcome = _run(session, recorder, stop)
         recorder.close()
     except KeyboardInterrupt:
-        session.reporter.close()
+        _abandon(recorder)
         session.console.error(f"stopped at once; resume with: dismech resume {session.run_dir}")
         return Report(_ended(session, "interrupted", stop.exit_code, "stopped at once"), ())
     except BaseException as error:
-        session.reporter.close()
+        _abandon(recorder)
         with suppress(OutputError):
             message = str(error) if isinstance(error, DismechError) else repr(error)
             _ended(session, "failed", code_of(error), message)
@@ -105,6 +105,12 @@ def _run(session: Session, recorder: Recorder, stop: StopRequest) -> Outcome:
         resume_from=session.checkpoint,
         announce=session.console.detail,
     )
+
+
+def _abandon(recorder: Recorder) -> None:
+    """Close the files after a failure that is told already."""
+    with suppress(OutputError):
+        recorder.close()
 
 
 def _conclude(session: Session, outcome: Outcome, stop: StopRequest) -> Report:

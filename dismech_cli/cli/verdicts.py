@@ -9,7 +9,7 @@ from ..run.loop import Outcome
 from ..run.reduce import reduce_series
 from ..scenario.expect import Expectation, measured
 from ..scenario.units import KINDS
-from .tables import table
+from .tables import table, with_unit
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +42,9 @@ def judge(expectations: Mapping[str, Expectation], outcome: Outcome) -> tuple[Ve
         value = reduce_series(outcome.times, outcome.watched[name], e.reduce, at=e.at, after=e.after)
         unit = KINDS[measured(e.probe, e.reduce)].unit
         percent = e.tolerance.kind == "relative"
-        tolerance = f"{100.0 * e.tolerance.size:.6g} %" if percent else _with_unit(e.tolerance.size, unit)
+        tolerance = (
+            f"{100.0 * e.tolerance.size:.6g} %" if percent else with_unit(f"{e.tolerance.size:.6g}", unit)
+        )
         passed = e.tolerance.allows(value, e.value)
         verdicts.append(Verdict(name, value, e.value, tolerance, unit, e.source, passed))
     return tuple(verdicts)
@@ -53,8 +55,8 @@ def verdict_table(verdicts: tuple[Verdict, ...]) -> str:
     rows = [
         (
             v.name,
-            _with_unit(v.measured, v.unit),
-            _with_unit(v.expected, v.unit),
+            with_unit(f"{v.measured:.6g}", v.unit),
+            with_unit(f"{v.expected:.6g}", v.unit),
             v.tolerance,
             "pass" if v.passed else "MISSED",
             v.source,
@@ -62,7 +64,3 @@ def verdict_table(verdicts: tuple[Verdict, ...]) -> str:
         for v in verdicts
     ]
     return table(("expectation", "measured", "expected", "tolerance", "", "source"), rows)
-
-
-def _with_unit(value: float, unit: str) -> str:
-    return f"{value:.6g}" if unit == "1" else f"{value:.6g} {unit}"
