@@ -9,7 +9,7 @@ import pytest
 from derivatives import Probe, assert_derivatives
 from numpy.testing import assert_allclose
 from shell_cases import NUMPY, Material, Shell, shell
-from test_shell_energies import driver_of, drivers
+from test_shell_energies import driver_of
 
 from dismech_cli.arrays import FloatArray
 from dismech_cli.forces.aerodynamic import aerodynamic_drag
@@ -58,7 +58,7 @@ def check(term: Term, made: Shell, driver: str = "numpy") -> None:
     )
 
 
-@pytest.mark.parametrize("driver", drivers())
+@pytest.mark.parametrize("driver", ["numpy", pytest.param("numba", marks=pytest.mark.slow)])
 def test_aerodynamic_drag(driver: str) -> None:
     made = shell(CAP, "hinge")
     drag = aerodynamic_drag(
