@@ -24,7 +24,7 @@ from derivatives import Probe, assert_derivatives
 from numpy.testing import assert_allclose
 
 from dismech_cli.arrays import FloatArray, IntArray
-from dismech_cli.forces.gravity import buoyancy, weight
+from dismech_cli.forces.gravity import weight
 from dismech_cli.forces.load import DeadLoad
 from dismech_cli.forces.moment import EdgeMoment
 from dismech_cli.forces.resistive import resistive_force
@@ -80,7 +80,7 @@ def test_weight_is_the_mass_of_the_rod() -> None:
 
 def test_buoyancy_lifts_the_displaced_water() -> None:
     model = planar_rod(*straight(3), UNEQUAL)
-    force = buoyancy(model.dofs, np.array([1e-3, 2e-3, 1e-3]), 1000.0, np.array([0.0, 0.0, -9.81]))
+    force = weight(model.dofs, -1000.0 * np.array([1e-3, 2e-3, 1e-3]), np.array([0.0, 0.0, -9.81]))
     assert_allclose(force, [0, 9.81, 0, 19.62, 0, 9.81], rtol=1e-14)
 
 

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
-from ..forces.gravity import buoyancy, weight
+from ..forces.gravity import weight
 from ..forces.load import DeadLoad
 from ..forces.moment import EdgeMoment
 from ..forces.resistive import resistive_force
 from ..forces.viscous import ViscousDamping
 from ..model.laws import Law
 from ..model.mass import nodal_lengths
+from ..model.strains import lengths
 from ..model.term import Term
 from ..scenario.force import Buoyancy, Distributed, Gravity, Moment, Point, Resistive, Viscous
 from ..scenario.load import LoadedScenario
@@ -65,35 +66,23 @@ def build_forces(loaded: LoadedScenario, geometry: Geometry, rods: RodSystem, la
             case Gravity():
                 mass = _nodal(geometry, dofs.n_nodes, geometry.per_edge("mass_per_length"))
                 vector = components(force.acceleration, laws)
-                path = (index, "acceleration")
-                gravitational += _loads(
-                    loaded, rods, name, path, vector, lambda g, m=mass: weight(dofs, m, g)
-                )
+                gravitational += _loads(loaded, rods, name, (index, "acceleration"), vector, mass)
             case Buoyancy():
                 volume = _nodal(geometry, dofs.n_nodes, geometry.per_edge("area"))
                 for number, vector in gravities:
-                    lift = lambda g, w=volume, f=force: buoyancy(dofs, w, f.fluid_density, g)  # noqa: E731
+                    label = f"{name} in gravity[{number}]"
                     gravitational += _loads(
-                        loaded, rods, f"{name} in gravity[{number}]", (index,), vector, lift
+                        loaded, rods, label, (index,), vector, -force.fluid_density * volume
                     )
             case Point():
                 nodes = select_nodes(loaded, geometry, force.where, ("forces", index, "where"))
-                ones = np.bincount(nodes, minlength=dofs.n_nodes).astype(np.float64)
+                once = np.bincount(nodes, minlength=dofs.n_nodes).astype(np.float64)
                 vector = components(force.force, laws)
-                loads += _loads(
-                    loaded, rods, name, (index, "force"), vector, lambda f, m=ones: weight(dofs, m, f)
-                )
+                loads += _loads(loaded, rods, name, (index, "force"), vector, once)
             case Distributed():
                 length = _nodal(geometry, dofs.n_nodes, _selected(geometry, force.rods))
                 vector = components(force.force_per_length, laws)
-                loads += _loads(
-                    loaded,
-                    rods,
-                    name,
-                    (index, "force_per_length"),
-                    vector,
-                    lambda f, m=length: weight(dofs, m, f),
-                )
+                loads += _loads(loaded, rods, name, (index, "force_per_length"), vector, length)
             case Moment():
                 nodes = select_nodes(loaded, geometry, force.where, ("forces", index, "where"))
                 loads += _moments(loaded, geometry, rods, name, index, nodes, components(force.moment, laws))
@@ -114,7 +103,7 @@ def build_forces(loaded: LoadedScenario, geometry: Geometry, rods: RodSystem, la
                         name,
                         dofs,
                         geometry.edges[wet],
-                        _lengths(geometry)[wet],
+                        lengths(geometry.nodes, geometry.edges)[wet],
                         force.tangential,
                         force.normal,
                     )
@@ -122,14 +111,9 @@ def build_forces(loaded: LoadedScenario, geometry: Geometry, rods: RodSystem, la
     return Forces(tuple(gravitational), tuple(loads), tuple(dissipative))
 
 
-def _lengths(geometry: Geometry) -> FloatArray:
-    e = geometry.nodes[geometry.edges[:, 1]] - geometry.nodes[geometry.edges[:, 0]]
-    return np.linalg.norm(e, axis=1)
-
-
 def _nodal(geometry: Geometry, n_nodes: int, per_length: FloatArray) -> FloatArray:
     """Nodal sums of a density per rest length, shape (n_nodes,); walls get nothing."""
-    return nodal_lengths(n_nodes, geometry.edges, _lengths(geometry) * per_length)
+    return nodal_lengths(n_nodes, geometry.edges, lengths(geometry.nodes, geometry.edges) * per_length)
 
 
 def _selected(geometry: Geometry, names: Sequence[str] | None) -> FloatArray:
@@ -144,13 +128,13 @@ def _loads(
     name: str,
     path: tuple[str | int, ...],
     vector: tuple[Law, ...],
-    force: Callable[[FloatArray], FloatArray],
+    nodal: FloatArray,
 ) -> Iterator[DeadLoad]:
-    """One dead load per component that does not vanish."""
+    """One dead load per component that does not vanish: vector times a number on each node."""
     for axis, law in _components(loaded, rods, path, vector):
         unit = np.zeros(3)
         unit[axis] = 1.0
-        yield DeadLoad(f"{name}.{'xyz'[axis]}", force(unit), law)
+        yield DeadLoad(f"{name}.{'xyz'[axis]}", weight(rods.dofs, nodal, unit), law)
 
 
 def _components(

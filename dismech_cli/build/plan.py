@@ -83,7 +83,7 @@ def make_plan(
     """
     scenario = loaded.scenario
     decisions: list[Decision] = []
-    axes = (0, 1, 2)
+    axes: tuple[int, ...] = (0, 1, 2)
     if scenario.dimension == 2:
         axes = tuple("xyz".index(c) for c in scenario.plane)
         _check_planar(loaded, geometry, axes)

@@ -23,7 +23,11 @@ from .geometry import Geometry
 from .holds import Hold
 from .plan import Bending, Plan, free_joints
 
-PLANAR_AXIS = {(0, 2): (0.0, -1.0, 0.0), (0, 1): (0.0, 0.0, 1.0), (1, 2): (1.0, 0.0, 0.0)}
+PLANAR_AXIS: dict[tuple[int, ...], tuple[float, float, float]] = {
+    (0, 2): (0.0, -1.0, 0.0),
+    (0, 1): (0.0, 0.0, 1.0),
+    (1, 2): (1.0, 0.0, 0.0),
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -384,9 +388,7 @@ def _framed(
         "bending",
         BEND_FRAMED,
         stencil,
-        np.stack(
-            (*curvature, *stiffness, j.voronoi, *j.signs.T, np.cos(rest_twist), np.sin(rest_twist))
-        ),
+        np.stack((*curvature, *stiffness, j.voronoi, *j.signs.T, np.cos(rest_twist), np.sin(rest_twist))),
         places,
     )
     twist = StencilEnergy(

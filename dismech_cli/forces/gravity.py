@@ -1,4 +1,4 @@
-"""Weight and buoyancy as nodal forces."""
+"""A uniform acceleration as nodal forces: weight, and buoyancy as the weight of negative mass."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ def weight(dofs: DofMap, nodal_mass: FloatArray, acceleration: FloatArray) -> Fl
 
     Args:
         dofs: Numbering.
-        nodal_mass: Mass of each node [kg], shape (n_nodes,).
+        nodal_mass: Mass of each node [kg], shape (n_nodes,); -rho_f V for the lift of a fluid.
         acceleration: g [m/s^2], shape (3,).
 
     Returns:
@@ -22,20 +22,3 @@ def weight(dofs: DofMap, nodal_mass: FloatArray, acceleration: FloatArray) -> Fl
     force = np.zeros(dofs.n)
     force[: dofs.n_positions] = np.outer(nodal_mass, dofs.project(acceleration)).reshape(-1)
     return force
-
-
-def buoyancy(
-    dofs: DofMap, nodal_volume: FloatArray, fluid_density: float, acceleration: FloatArray
-) -> FloatArray:
-    """Archimedes' lift -rho_f V g on each node, with the rest volume.
-
-    Args:
-        dofs: Numbering.
-        nodal_volume: Displaced volume of each node [m^3], shape (n_nodes,).
-        fluid_density: rho_f [kg/m^3].
-        acceleration: g [m/s^2], shape (3,).
-
-    Returns:
-        Generalised force [N], shape (n,).
-    """
-    return -weight(dofs, fluid_density * nodal_volume, acceleration)

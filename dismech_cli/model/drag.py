@@ -66,8 +66,8 @@ class DragKernel:
                     index = f * self.reduced + k * d + i
                     entries.append((row, tail * d + i, index, -1.0))
                     entries.append((row, head * d + i, index, 1.0))
-        row, column, index, sign = zip(*entries, strict=True)
-        return np.array(row), np.array(column), np.array(index), np.array(sign)
+        rows, columns, indices, signs = zip(*entries, strict=True)
+        return np.array(rows), np.array(columns), np.array(indices), np.array(signs)
 
 
 @dataclass(frozen=True, slots=True)

@@ -45,7 +45,9 @@ class DragLoop(Protocol):
 class Driver(Protocol):
     """Turns kernels into loops."""
 
-    name: str
+    @property
+    def name(self) -> str:
+        """``numpy`` or ``numba``."""
 
     def stencil(self, kernel: Kernel, dofs: IntArray, auxiliaries: IntArray, pattern: Pattern) -> StencilLoop:
         """Loop of an energy kernel over stencils (S, D) with auxiliary inputs (S, A)."""

@@ -174,7 +174,8 @@ class RodFrames:
         inputs[0:3] *= self.joint_signs[:, 0]
         inputs[3:6] *= self.joint_signs[:, 1]
         inputs[12] = stored
-        return self.driver.map(joint_reference_twist, inputs, 1)[0]
+        beta: FloatArray = self.driver.map(joint_reference_twist, inputs, 1)[0]
+        return beta
 
 
 def space_parallel(tangents: FloatArray, given: FloatArray) -> FloatArray:

@@ -10,7 +10,8 @@ from .dofs import DofMap
 
 def nodal_lengths(n_nodes: int, edges: IntArray, lengths: FloatArray) -> FloatArray:
     """Voronoi length of each node: half of every adjacent edge [m], shape (n_nodes,)."""
-    return np.bincount(edges.reshape(-1), np.repeat(0.5 * lengths, 2), minlength=n_nodes)
+    halves = np.repeat(0.5 * lengths, 2)
+    return np.bincount(edges.reshape(-1), halves, minlength=n_nodes).astype(np.float64)
 
 
 def rod_mass(

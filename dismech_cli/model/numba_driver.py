@@ -31,7 +31,7 @@ from .term import Linearization, Pattern
 
 # Reassociation and contraction only: never nnan or ninf, which delete checks for NaN. Kernels are
 # inlined into their loops, so that a loop that wants the residual alone computes nothing else.
-_KERNEL_OPTIONS = {"fastmath": {"nsz", "arcp", "contract", "afn", "reassoc"}, "forceinline": True}
+_KERNEL_OPTIONS: Any = {"fastmath": {"nsz", "arcp", "contract", "afn", "reassoc"}, "forceinline": True}
 
 
 @cache
@@ -42,12 +42,13 @@ def cache_folder() -> Path:
     """
     package = Path(__file__).resolve().parents[1]
     digest = hashlib.sha256()
-    for folder in ("geometry", "model", "energies", "forces"):
-        for source in sorted((package / folder).glob("*.py")):
+    for layer in ("geometry", "model", "energies", "forces"):
+        for source in sorted((package / layer).glob("*.py")):
             digest.update(source.read_bytes())
-    base = os.environ.get("DISMECH_CACHE") or os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+    chosen = os.environ.get("DISMECH_CACHE") or os.environ.get("XDG_CACHE_HOME")
+    base = Path(chosen) if chosen else Path.home() / ".cache"
     name = digest.hexdigest()[:16]
-    folder = Path(base) / "dismech" / "kernels" / name
+    folder = base / "dismech" / "kernels" / name
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError:
@@ -77,7 +78,7 @@ def _load(name: str, text: str) -> ModuleType:
     """Import a module of loops, writing it first where its text is not on disk yet."""
     import numba
 
-    numba.config.CACHE_DIR = str(cache_folder())
+    numba.config.CACHE_DIR = str(cache_folder())  # type: ignore[attr-defined]
     for function, compiled in marked_kernels():
         if function not in _REGISTERED:
             numba.extending.overload(function, jit_options=_KERNEL_OPTIONS, strict=False)(

@@ -12,7 +12,8 @@ from ..geometry.vectors import combine, scale
 def lengths(positions: FloatArray, edges: IntArray) -> FloatArray:
     """Edge lengths [m], shape (E,)."""
     e = positions[edges[:, 1]] - positions[edges[:, 0]]
-    return np.sqrt((e * e).sum(axis=1))
+    out: FloatArray = np.sqrt((e * e).sum(axis=1))
+    return out
 
 
 def curvature_binormal(positions: FloatArray, nodes: IntArray) -> FloatArray:

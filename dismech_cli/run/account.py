@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import FloatArray
+from ..arrays import BoolArray, FloatArray
 from ..model.configuration import Configuration
 from ..model.driven import BoundDriven
 from ..model.model import Model
@@ -50,7 +50,7 @@ class EnergyAccount:
         self.sums["initial"] = 0.0
         self.sums["initial"] = self.measure(state)["error"]
 
-    def advance(self, before: State, after: State, residual: FloatArray, held: FloatArray) -> None:
+    def advance(self, before: State, after: State, residual: FloatArray, held: BoolArray) -> None:
         """Book the work of one step.
 
         Args:

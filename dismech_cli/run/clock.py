@@ -17,7 +17,7 @@ from ..arrays import FloatArray
 def time_grid(dt: float, t_end: float, events: tuple[float, ...] = ()) -> FloatArray:
     """Nominal times [s] from 0 to ``t_end``, shape (steps + 1,)."""
     steps = max(int(np.ceil(t_end / dt * (1.0 - 1e-12))), 1)
-    times = np.arange(steps + 1) * dt
+    times: FloatArray = np.arange(steps + 1, dtype=np.float64) * dt
     times[-1] = t_end
     inside = np.array(sorted({t for t in events if 0.0 < t < t_end}))
     if inside.size:
@@ -74,4 +74,4 @@ class Clock:
         start, end = float(grid[self.index]), float(grid[self.index + 1])
         if part == 2**self.level:
             return end
-        return start + (end - start) * part / 2**self.level
+        return start + (end - start) * (part / float(2**self.level))

@@ -72,10 +72,21 @@ class Stage:
 class Integrator(Protocol):
     """A sequence of stages that takes a state from t to t + dt."""
 
-    name: str
-    order: int
-    stages: int
-    needs_acceleration: bool
+    @property
+    def name(self) -> str:
+        """Name in the scenario language."""
+
+    @property
+    def order(self) -> int:
+        """Order of accuracy; a test holds it to its word."""
+
+    @property
+    def stages(self) -> int:
+        """Nonlinear solves per step."""
+
+    @property
+    def needs_acceleration(self) -> bool:
+        """Whether the start needs an acceleration consistent with the balance of forces."""
 
     def stage(self, index: int, start: State, latest: State, dt: float) -> Stage:
         """Maps of one stage.

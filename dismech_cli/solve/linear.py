@@ -212,4 +212,7 @@ class SuperLuSolver:
 
     def solve(self, rhs: FloatArray) -> FloatArray:
         """Solve with the last factors."""
-        return checked(rhs, self._factors.solve(rhs), lambda x: self._matrix @ x, self._factors.solve)
+        return checked(rhs, self._factors.solve(rhs), self._product, self._factors.solve)
+
+    def _product(self, x: FloatArray) -> FloatArray:
+        return np.asarray(self._matrix @ x)

@@ -85,7 +85,7 @@ class System:
         force = moment = 0.0
         for term in self._symmetric:
             term.add_linearization(c, into)
-            force, moment = max(force, forces @ forces), max(moment, moments @ moments)
+            force, moment = max(force, _square(forces)), max(moment, _square(moments))
         if self._mirror is not None:
             lower, upper = self._mirror
             into.stiffness[lower] = into.stiffness[upper]
@@ -93,7 +93,7 @@ class System:
             into.damping[:] = 0.0
         for term in self._general:
             term.add_linearization(c, into)
-            force, moment = max(force, forces @ forces), max(moment, moments @ moments)
+            force, moment = max(force, _square(forces)), max(moment, _square(moments))
         values = into.stiffness
         if w.q != 1.0:
             values *= w.q
@@ -102,10 +102,10 @@ class System:
         if self._has_mass:
             inertia = self.model.mass * stage.acceleration(q)
             head, tail = inertia[: self._split], inertia[self._split :]
-            force, moment = max(force, head @ head), max(moment, tail @ tail)
+            force, moment = max(force, _square(head)), max(moment, _square(tail))
             into.residual += inertia
             values[self.pattern.diagonal] += w.a * self._free_mass
-        return Linearized(into.residual, values, float(force) ** 0.5, float(moment) ** 0.5)
+        return Linearized(into.residual, values, force**0.5, moment**0.5)
 
     def potential(self, stage: Stage, q: FloatArray, stored: FrameState) -> tuple[float, FloatArray]:
         """Energy [J] of all potential terms at the stage, and the rest of the residual (n,).
@@ -128,4 +128,8 @@ class System:
         positions = q[: self._split]
         size = max(float(positions.max(initial=0.0)), -float(positions.min(initial=0.0)))
         stiffest = float(values[self._position_slots].max(initial=0.0))
-        return 2.0 * _EPS * stiffest * size * len(self._position_slots) ** 0.5
+        return 2.0 * _EPS * stiffest * size * float(len(self._position_slots)) ** 0.5
+
+
+def _square(x: FloatArray) -> float:
+    return float(x @ x)
