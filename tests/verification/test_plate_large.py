@@ -54,13 +54,13 @@ def root(made: Shell) -> IntArray:
 )
 @pytest.mark.parametrize("pattern", [Pattern.RIGHT, Pattern.UNSTRUCTURED])
 def test_heavy_cantilever(pattern: Pattern, gamma: float, drop: float, reach: float, steps: int) -> None:
-    """A strip under its weight, Gamma = rho g A L^3 / (E I): the heavy elastica's tip to 1 % of L."""
+    """A strip under its weight, Gamma = rho g A L^3 / (E I): the heavy elastica's tip to 0.2 % of L."""
     material = Material(youngs_modulus=1e6, poisson_ratio=0.0, thickness=0.01)
     made = shell(sheet(1.0, 0.1, 30, pattern), "midedge", material=material)
     load = -gamma * material.rigidity  # per area, on length 1
     x = bent(made, root(made), pressed(made, load), steps)
     end = x[made.mesh.node_groups["right"]].mean(axis=0)
-    assert_allclose([end[0], -end[2]], [reach, drop], atol=0.01)
+    assert_allclose([end[0], -end[2]], [reach, drop], atol=2e-3)
 
 
 @pytest.mark.slow
