@@ -33,5 +33,7 @@ def rod_mass(
     nodal = np.bincount(edges.reshape(-1), np.repeat(0.5 * lengths * per_length, 2), minlength=dofs.n_nodes)
     mass = np.zeros(dofs.n)
     mass[: dofs.n_positions] = np.repeat(nodal, dofs.dimension)
-    mass[dofs.n_positions : dofs.n_positions + dofs.n_angles] = (lengths * polar)[: dofs.n_angles]
+    # The walls behind clamps, whose angles come last, are held and weigh nothing.
+    turning = min(dofs.n_angles, len(edges))
+    mass[dofs.n_positions : dofs.n_positions + turning] = (lengths * polar)[:turning]
     return mass
