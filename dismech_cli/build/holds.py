@@ -123,7 +123,7 @@ def _clamp(
     if crowded.size:
         raise loaded.error(
             path,
-            f"node {crowded[0]} is no rod end: a clamp at a node inside a rod needs its neighbour selected too, "
-            "or 'at: edge'",
+            f"node {crowded[0]} is no rod end: a clamp at a node inside a rod needs its "
+            "neighbour selected too, or 'at: edge'",
         )
     return Hold(name, nodes, axes, displacement, inside, twist, lonely, inside, release)

@@ -32,10 +32,8 @@ def build_motions(
             return
         rival = owner[held].max()
         if rival >= 0:
-            raise loaded.error(
-                ("motions", index),
-                f"holds {dofs.describe(int(held[np.argmax(owner[held])]))}, which motions[{rival}] holds already",
-            )
+            twice = dofs.describe(int(held[np.argmax(owner[held])]))
+            raise loaded.error(("motions", index), f"holds {twice}, which motions[{rival}] holds already")
         owner[held] = index
         motions.append(Motion(label, held, rest[held], law, release))
 

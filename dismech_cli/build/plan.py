@@ -126,8 +126,8 @@ def _bending(loaded: LoadedScenario, geometry: Geometry, holds: tuple[Hold, ...]
     if obstacle:
         return Bending.FRAMED, obstacle
     return Bending.ISOTROPIC, (
-        "equal bending stiffness, straight natural shape, open chains, nothing turns or holds a rod about its "
-        "axis at more than one end: no twist can arise"
+        "equal bending stiffness, straight natural shape, open chains, nothing turns or holds a rod "
+        "about its axis at more than one end: no twist can arise"
     )
 
 

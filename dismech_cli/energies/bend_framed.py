@@ -3,11 +3,11 @@
 The material curvatures k1 = kb.(m2e + m2f)/2 and k2 = -kb.(m1e + m1f)/2 are integrated over the
 Voronoi length (Bergou et al. 2008, 2010). A sign of -1 means that the stencil walks its edge
 backwards: then m1 stays, m2 and theta change sign. The directors of edge f are turned back by the
-rest twist psi of the joint before they are averaged with those of e: at a junction of several
-edges no choice of directors is free of such a twist, and averaging across it would soften the joint.
+rest twist psi of the joint before they are averaged with those of e: at a junction of several edges no
+choice of directors is free of such a twist, and averaging across it would soften the joint.
 
 Parameters per stencil, after the natural curvatures k1_0, k2_0 [1]: EI1, EI2 [N m^2], Voronoi
-length l_v [m], signs s_e, s_f, cos psi, sin psi [1]. Auxiliary inputs: m1 and m2 of edge e, m1 and m2 of edge f.
+length l_v [m], signs s_e, s_f, cos psi, sin psi [1]. Auxiliary inputs: m1, m2 of edge e, then of f.
 """
 
 from __future__ import annotations

@@ -25,8 +25,9 @@ def describe_failure(
     simulation: Simulation, t: float, dt: float, result: StepResult, last: Sequence[StepRecord]
 ) -> str:
     """Several lines that a user can act on."""
+    what = result.status.name.lower().replace("_", " ")
     lines = [
-        f"the solver gave up at t = {t:.6g} s with dt = {dt:.3g} s: {result.status.name.lower().replace('_', ' ')}",
+        f"the solver gave up at t = {t:.6g} s with dt = {dt:.3g} s: {what}",
         f"  largest residual {result.residual_norm:.3g} N at {_where(simulation, result.worst)}",
         "  last steps (t, dt, Newton iterations, residual):",
     ]

@@ -12,6 +12,16 @@ from ..model.strains import curvature_binormal, lengths, material_curvatures
 from ..output.frame import FieldSpec
 from .snapshot import Snapshot
 
+VELOCITY = FieldSpec(name="velocity", unit="m/s", long_name="nodal velocity", location="node", components=3)
+CURVATURE = FieldSpec(name="curvature", unit="1/m", long_name="curvature of the centreline", location="node")
+BENDING_MOMENT = FieldSpec(
+    name="bending_moment", unit="N m", long_name="magnitude of the bending moment", location="node"
+)
+TWIST = FieldSpec(name="twist", unit="rad/m", long_name="material twist per length", location="node")
+DIRECTOR = FieldSpec(
+    name="director", unit="1", long_name="first material director m1", location="cell", components=3
+)
+
 
 class Field(Protocol):
     """A field with its description."""
@@ -29,9 +39,7 @@ class VelocityField:
     """Nodal velocity."""
 
     visible: int
-    spec: FieldSpec = FieldSpec(
-        name="velocity", unit="m/s", long_name="nodal velocity", location="node", components=3
-    )
+    spec: FieldSpec = VELOCITY
 
     def __call__(self, s: Snapshot) -> FloatArray:
         """Values (N, 3)."""
@@ -45,9 +53,7 @@ class CurvatureField:
     visible: int
     triples: IntArray
     voronoi: FloatArray
-    spec: FieldSpec = FieldSpec(
-        name="curvature", unit="1/m", long_name="curvature of the centreline", location="node"
-    )
+    spec: FieldSpec = CURVATURE
 
     def __call__(self, s: Snapshot) -> FloatArray:
         """Values (N,)."""
@@ -63,9 +69,7 @@ class MomentField:
     triples: IntArray
     voronoi: FloatArray
     measure: Curvatures
-    spec: FieldSpec = FieldSpec(
-        name="bending_moment", unit="N m", long_name="magnitude of the bending moment", location="node"
-    )
+    spec: FieldSpec = BENDING_MOMENT
 
     def __call__(self, s: Snapshot) -> FloatArray:
         """Values (N,)."""
@@ -124,9 +128,7 @@ class TwistField:
     voronoi: FloatArray
     angles: IntArray
     signs: FloatArray
-    spec: FieldSpec = FieldSpec(
-        name="twist", unit="rad/m", long_name="material twist per length", location="node"
-    )
+    spec: FieldSpec = TWIST
 
     def __call__(self, s: Snapshot) -> FloatArray:
         """Values (N,)."""
@@ -158,9 +160,7 @@ class DirectorField:
     """First material director of framed rods."""
 
     edges: int
-    spec: FieldSpec = FieldSpec(
-        name="director", unit="1", long_name="first material director m1", location="cell", components=3
-    )
+    spec: FieldSpec = DIRECTOR
 
     def __call__(self, s: Snapshot) -> FloatArray:
         """Values (E, 3)."""

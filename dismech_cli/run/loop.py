@@ -16,7 +16,7 @@ from ..model.frames import FrameState
 from ..model.state import State
 from ..output.frame import Frame
 from ..solve.status import Status
-from ..solve.step import StepResult, Stepper
+from ..solve.step import Stepper, StepResult
 from .account import EnergyAccount
 from .clock import Clock
 from .failure import StepRecord, describe_failure
@@ -140,7 +140,7 @@ def run(
     simulation: Simulation,
     sink: Sink,
     *,
-    limits: Limits = Limits(),  # noqa: B008 - frozen
+    limits: Limits = Limits(),
     stop: StopRequest | None = None,
     resume_from: tuple[Arrays, Mapping[str, int | float]] | None = None,
     announce: Callable[[str], None] = lambda text: None,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import sqrt
 
 import numpy as np
 
@@ -105,7 +106,7 @@ class System:
             force, moment = max(force, _square(head)), max(moment, _square(tail))
             into.residual += inertia
             values[self.pattern.diagonal] += w.a * self._free_mass
-        return Linearized(into.residual, values, force**0.5, moment**0.5)
+        return Linearized(into.residual, values, sqrt(force), sqrt(moment))
 
     def potential(self, stage: Stage, q: FloatArray, stored: FrameState) -> tuple[float, FloatArray]:
         """Energy [J] of all potential terms at the stage, and the rest of the residual (n,).
@@ -128,7 +129,7 @@ class System:
         positions = q[: self._split]
         size = max(float(positions.max(initial=0.0)), -float(positions.min(initial=0.0)))
         stiffest = float(values[self._position_slots].max(initial=0.0))
-        return 2.0 * _EPS * stiffest * size * float(len(self._position_slots)) ** 0.5
+        return 2.0 * _EPS * stiffest * size * sqrt(len(self._position_slots))
 
 
 def _square(x: FloatArray) -> float:
