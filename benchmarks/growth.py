@@ -1,0 +1,33 @@
+"""Growth of the cost of an iteration with the number of nodes."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .newton_iteration import DT, measure
+from .scenes import helix
+from .table import table, verdict
+
+NODES = (100, 300, 1000, 3000, 10_000, 20_000)
+
+
+def report(quick: bool) -> str:
+    """Fitted exponents; 1 is linear."""
+    rows, exponents = [], []
+    for kernels in ("numba", "numpy"):
+        times = []
+        for nodes in NODES:
+            simulation = helix(nodes, kernels=kernels, dt=DT, t_end=1.0)
+            steps = max(1, 4000 // nodes)
+            times.append(measure(simulation, nodes, steps=steps, seconds=0.5 if quick else 3.0).total)
+        rows.append((kernels, *[1e6 * spent / nodes for spent, nodes in zip(times, NODES, strict=True)]))
+        slope = float(np.polyfit(np.log(NODES), np.log(times), 1)[0])
+        tail = float(np.polyfit(np.log(NODES[2:]), np.log(times[2:]), 1)[0])
+        exponents.append((kernels, verdict(slope, 1.05), verdict(tail, 1.05)))
+    return "\n\n".join(
+        (
+            "## Growth with the number of nodes\n\nFramed helix, microseconds per node and Newton iteration:",
+            table(("kernels", *[f"{n} nodes" for n in NODES]), rows),
+            table(("kernels", "exponent, 100 to 20 000", "exponent, 1000 to 20 000"), exponents),
+        )
+    )

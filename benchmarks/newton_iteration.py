@@ -1,0 +1,146 @@
+"""Cost of a Newton iteration with everything it needs, in units of the yardstick R(N).
+
+The measure is the CPU time of time steps of a real dynamic scene, divided by the number of linear
+solves in them. Transport of frames, terms, assembly, factorisation, solution, convergence test,
+predictor and acceptance of the step are all in it; a step of three iterations assembles four times.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from dismech_cli.model.state import State
+from dismech_cli.run.simulation import Simulation
+from dismech_cli.solve.status import Status
+from dismech_cli.solve.step import Stepper
+
+from .clock import alternately, yardstick
+from .scenes import cantilever, helix, stepper_of
+from .table import table, verdict
+
+DT = 5e-3
+SCENES: dict[str, Callable[..., Simulation]] = {
+    "helix, framed": helix,
+    "cantilever, isotropic": lambda nodes, **numerics: cantilever(nodes, dimension=3, **numerics),
+    "cantilever, planar": lambda nodes, **numerics: cantilever(nodes, dimension=2, **numerics),
+}
+# Bars of a framed iteration by kernels and nodes, in R(N); others in proportion to DOFs per node.
+BARS = {"numba": {101: 5.0, 1000: 3.0, 20_000: 3.0}, "numpy": {101: 25.0, 1000: 7.0, 20_000: 6.0}}
+DOFS = {"helix, framed": 4, "cantilever, isotropic": 3, "cantilever, planar": 2}
+
+
+@dataclass(frozen=True, slots=True)
+class Iteration:
+    """CPU times of one Newton iteration [s].
+
+    Attributes:
+        total: Everything.
+        ratio: ``total`` over R(N).
+        per_step: Iterations per step.
+        parts: Configuration, terms, assembly, factorise, solve, rest.
+    """
+
+    total: float
+    ratio: float
+    per_step: float
+    parts: tuple[float, ...]
+
+
+PARTS = ("configuration", "terms", "assembly", "factorise", "solve", "rest")
+
+
+def measure(simulation: Simulation, nodes: int, *, steps: int, seconds: float) -> Iteration:
+    """Time steps of a scene, after ten steps that bring it into motion."""
+    stepper = stepper_of(simulation)
+    start, _ = advance(stepper, stepper.prepare(stepper.rest_state()), DT, 10)
+    _, iterations = advance(stepper, start, DT, steps)
+    parts, names = _pieces(stepper, start)
+    spent, yard, *pieces = alternately(
+        [lambda: advance(stepper, start, DT, steps), yardstick(nodes), *parts], seconds=seconds
+    )
+    total = spent / iterations
+    times = dict(zip(names, pieces, strict=True))
+    # every step ends with an assembly that finds the residual small
+    assemblies = (iterations + steps) / iterations
+    split = [
+        assemblies * times["configuration"],
+        assemblies * times["terms"],
+        assemblies * max(times["linearize"] - times["configuration"] - times["terms"], 0.0),
+        times["factorise"],
+        times["solve"],
+    ]
+    return Iteration(total, total / yard, iterations / steps, (*split, total - sum(split)))
+
+
+def advance(stepper: Stepper, state: State, dt: float, steps: int) -> tuple[State, int]:
+    """Take steps; return the last state and the iterations of all."""
+    iterations = 0
+    for _ in range(steps):
+        result = stepper.step(state, dt)
+        if result.status is not Status.CONVERGED:
+            raise RuntimeError(f"the step to t = {state.t + dt:g} s ended with {result.status.name}")
+        state, iterations = result.state, iterations + result.iterations
+    return state, iterations
+
+
+def _pieces(stepper: Stepper, state: State) -> tuple[list[Callable[[], object]], list[str]]:
+    """The parts of an iteration, each to be called alone."""
+    system, solver = stepper.system, stepper.solver
+    stage = stepper.integrator.stage(0, state, state, DT)
+    q = stage.predictor
+    values = system.linearize(stage, q, state.frames).values.copy()
+    solver.factorize(values)
+    rhs = np.ones(system.pattern.m)
+    point = system.configuration(stage, q, state.frames)
+    buffers = system._buffers  # the terms add into them as in an assembly
+
+    def terms() -> None:
+        for term in system.terms:
+            term.add_linearization(point, buffers)
+
+    pieces: dict[str, Callable[[], object]] = {
+        "configuration": lambda: system.configuration(stage, q, state.frames),
+        "terms": terms,
+        "linearize": lambda: system.linearize(stage, q, state.frames),
+        "factorise": lambda: solver.factorize(values),
+        "solve": lambda: solver.solve(rhs),
+    }
+    return list(pieces.values()), list(pieces)
+
+
+def report(quick: bool) -> str:
+    """Ratios with their bars, and the split."""
+    ratios, splits = [], []
+    for kernels, bars in BARS.items():
+        for nodes, bar in bars.items():
+            for name, scene in SCENES.items():
+                simulation = scene(nodes, kernels=kernels, dt=DT, t_end=1.0)
+                steps = 20 if nodes < 10_000 else 2
+                one = measure(simulation, nodes, steps=steps, seconds=1.0 if quick else 8.0)
+                ratios.append(
+                    (
+                        kernels,
+                        nodes,
+                        name,
+                        1e3 * one.total,
+                        verdict(one.ratio, bar * DOFS[name] / 4),
+                        one.per_step,
+                    )
+                )
+                splits.append((kernels, nodes, name, *[1e3 * part for part in one.parts]))
+    return "\n\n".join(
+        (
+            "## One Newton iteration, everything included\n\n"
+            f"Dynamic scenes of 5 mm edges with steps of {1e3 * DT:g} ms (generalised-alpha); CPU time of the "
+            "steps over the linear solves in them. R(N) is timed in turns with the steps. Bars of reduced "
+            "scenes are those of the framed one times their share of its DOFs.",
+            table(("kernels", "nodes", "scene", "ms", "in R(N)", "iterations per step"), ratios),
+            "Where the time goes [ms per iteration]; a step assembles once more than it solves, which is in "
+            "these numbers. Terms include the scatter into the matrix; assembly is clearing, inertia and the "
+            "sizes of forces.",
+            table(("kernels", "nodes", "scene", *PARTS), splits),
+        )
+    )
