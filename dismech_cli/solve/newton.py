@@ -7,6 +7,7 @@ and above the round-off of positions.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -210,8 +211,8 @@ def _small(now: Linearized, system: System, tolerance: float, floor: float) -> b
     length = system.model.length
     moment = max(now.moment, now.force * length)
     return bool(
-        forces @ forces <= (tolerance * now.force + floor) ** 2
-        and moments @ moments <= (tolerance * moment + floor * length) ** 2
+        math.sqrt(forces @ forces) <= tolerance * now.force + floor
+        and math.sqrt(moments @ moments) <= tolerance * moment + floor * length
     )
 
 
