@@ -100,7 +100,10 @@ def test_exported_numbers_are_those_of_the_run(call, ran):
         assert file["positions"].shape == (6, 11, 3)
 
 
-def test_render_makes_a_picture(call, ran):
+def test_render_makes_a_picture(call, ran, monkeypatch):
+    import dismech_cli.render.movie
+
+    monkeypatch.setattr(dismech_cli.render.movie, "find_renderer", lambda: "matplotlib")
     done = call("render", "out", "--format", "png", "--size", "160x120", "--view", "xz", "-o", "end.png")
     assert done.code == 0, done.stderr
     assert done.stdout == "end.png\n"

@@ -4,6 +4,7 @@ import json
 import os
 import subprocess
 import sys
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -220,38 +221,31 @@ importlib.util.find_spec = find_spec
 
 
 def test_without_numba_and_mkl_it_still_runs(swing):
-    (swing / "sitecustomize.py").write_text(BLOCK)
-    env = environment()
-    env["PYTHONPATH"] = f"{swing}{os.pathsep}{env['PYTHONPATH']}"
-
-    def program(*arguments: str) -> subprocess.CompletedProcess[str]:
-        command = [sys.executable, "-m", "dismech_cli", *arguments]
-        return subprocess.run(command, cwd=swing, env=env, capture_output=True, text=True, check=False)
-
-    done = program("run", "swing.yaml", *SHORT, "--set", "numerics.kernels=auto", "-v")
-    assert done.returncode == 0, done.stderr
-    assert "numba is not installed" in done.stderr
-    for setting, message in (
-        ("numerics.kernels=numba", "numerics.kernels: numba is not installed"),
-        ("numerics.linear_solver=pardiso", "numerics.linear_solver: pypardiso"),
-    ):
-        done = program("run", "swing.yaml", "--set", setting)
-        assert done.returncode == 2, done.stderr
-        assert message in done.stderr
+    code = BLOCK + (
+        "from dismech_cli.cli.exits import exit_code\n"
+        "from dismech_cli.cli.app import app\n"
+        "for option in ('kernels=auto', 'kernels=numba', 'linear_solver=pardiso'):\n"
+        "    arguments = ['run', 'swing.yaml', '-v', '--set', 'numerics.t_end=0.01']\n"
+        "    print(exit_code(app, [*arguments, '--set', f'numerics.{option}']), 'is the code', flush=True)\n"
+    )
+    command = [sys.executable, "-c", code]
+    done = subprocess.run(command, cwd=swing, env=environment(), capture_output=True, text=True, check=True)
+    codes = [line.split()[0] for line in done.stdout.splitlines() if line.endswith("is the code")]
+    assert codes == ["0", "2", "2"], done.stderr
+    assert "numba is not installed (extra 'fast')" in done.stderr
+    assert "numerics.kernels: numba is not installed" in done.stderr
+    assert "numerics.linear_solver: pypardiso with its MKL library is not installed" in done.stderr
 
 
 def test_compilation_is_announced_once(call, swing, monkeypatch, tmp_path):
     pytest.importorskip("numba")
     monkeypatch.setenv("DISMECH_CACHE", str(tmp_path / "cache"))
-    from dismech_cli.build.plan import Decision, Plan
+    from dismech_cli.build.plan import Decision
     from dismech_cli.cli.console import Console
     from dismech_cli.cli.presenting import Presenting
     from dismech_cli.model.numba_driver import cache_folder
 
-    decisions = (Decision("kernels by numba", "asked for"),)
-    plan = Plan.__new__(Plan)
-    for name, value in (("kernels", "numba"), ("decisions", decisions)):
-        object.__setattr__(plan, name, value)
+    plan = SimpleNamespace(kernels="numba", decisions=(Decision("kernels by numba", "asked for"),))
     lines: list[str] = []
     monkeypatch.setattr(Console, "say", lambda self, text: lines.append(text))
     present = Presenting(Console(), json=False, progress="none")
@@ -259,3 +253,21 @@ def test_compilation_is_announced_once(call, swing, monkeypatch, tmp_path):
     (cache_folder() / "loop.nbi").write_bytes(b"")
     present.planned(plan)
     assert lines == ["plan: kernels by numba", "compiling kernels, once", "plan: kernels by numba"]
+
+
+def test_resume_keeps_the_kernels_of_the_run(call, swing, monkeypatch):
+    import dismech_cli.cli.continuing as continuing
+
+    call("run", "swing.yaml", "--until", "0.01", "-o", "out")
+    build, kept = continuing.build, []
+
+    def spy(loaded, kernels=None, **options):
+        kept.append(kernels)
+        return build(loaded, kernels, **options)
+
+    monkeypatch.setattr(continuing, "build", spy)
+    assert call("resume", "out", "--until", "0.02").code == 0
+    assert kept == ["numpy"]
+    manifest = json.loads((swing / "out" / "manifest.json").read_text())
+    assert manifest["status"] == "interrupted"
+    assert manifest["seconds"]["total"] > 0.0

@@ -9,7 +9,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from ..build.plan import Plan
-from ..model.numba_driver import cache_folder
+from ..model.numba_driver import cache_folder, is_compiled
 from ..output.jsonable import dumps
 from ..run.progress import Reporter, Silent, make_reporter
 from .console import QUIET, Console, emit
@@ -42,7 +42,7 @@ class Presenting:
         self.console.say("plan: " + "; ".join(d.what.partition(":")[0] for d in plan.decisions))
         for decision in plan.decisions:
             self.console.detail(f"  {decision.what}: {decision.why}")
-        if plan.kernels == "numba" and not any(cache_folder().rglob("*.nbi")):
+        if plan.kernels == "numba" and not is_compiled(cache_folder()):
             self.console.say("compiling kernels, once")
 
     def result(self, run_dir: Path, report: Report, pictures: Sequence[str]) -> None:

@@ -96,7 +96,7 @@ def start(request: Start, present: Presenting) -> int:
             reporter=present.reporter(),
             console=console,
         )
-        console.detail(f"run directory: {run_dir}")
+        console.say(f"results: {run_dir}")
         report = conduct(session, stop)
     return finish(loaded, run_dir, report, present)
 
