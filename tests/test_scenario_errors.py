@@ -65,7 +65,7 @@ def test_all_faults_at_once_in_order(folder: Folder) -> None:
         (
             "type: rod",
             "type: rodd",
-            "6:11: geometry[0].type: expected 'rod', got 'rodd'; did you mean 'rod'?",
+            "6:11: geometry[0]: expected 'rod', 'shell', got 'rodd'; did you mean 'rod'?",
         ),
         ("density: 1.2 g/cm^3", "", "4:3: materials.silicone.density: missing key"),
         (
@@ -186,7 +186,7 @@ def test_single_faults(folder: Folder, old: str, new: str, message: str) -> None
 @pytest.mark.parametrize(
     ("extra", "message"),
     [
-        ("output: {fields: [positions]}", "18:19: output.fields[0]: expected 'velocity', 'curvature', "),
+        ("output: {fields: [position]}", "18:19: output.fields[0]: expected 'positions', 'velocity', "),
         ("output: {fields: [twist, twist]}", "18:10: output.fields: each name at most once"),
         ("output: {render: {color_by: twist}}", "output.render.color_by: needs 'twist' in output.fields"),
         ("output: {render: {plots: [tip]}}", "output.render.plots[0]: no probe is named 'tip'"),

@@ -10,7 +10,8 @@ from ..scenario.load import LoadedScenario
 from .geometry import Geometry
 from .laws import ToLaw
 from .plan import Bending, Plan
-from .rods import RodSystem, Skeleton
+from .rods import RodSystem
+from .skeleton import Skeleton
 
 ROWS = {"curvature_1": 0, "curvature_2": 1, "twist": 0}
 

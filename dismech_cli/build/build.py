@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
-from ..model.mass import rod_mass
 from ..model.model import Model
+from ..model.shell import edge_lengths
 from ..run.account import Roles
 from ..run.clock import time_grid
 from ..run.observe import scalar_columns
@@ -22,15 +22,21 @@ from ..solve.newton import NewtonSettings
 from .actuation import build_elastic
 from .fields import Scene, build_fields, build_topology
 from .forces import build_forces
-from .geometry import Geometry, assemble_geometry, weld_joints
+from .geometry import Geometry, assemble_geometry
 from .holds import resolve_holds
+from .inertia import mass_matrix, point_masses
 from .laws import dynamic_laws, static_laws
 from .motions import build_motions, initial_velocity
+from .numbering import number_dofs
 from .numerics import build_driver, build_integrator, check_linear_solver
 from .plan import Plan, make_plan
 from .probes import build_probe
-from .rods import build_rods, make_skeleton
+from .rods import build_rods
 from .selection import select_nodes
+from .shell_edges import find_shell_edges
+from .shells import build_shells
+from .skeleton import make_skeleton
+from .weld import weld_joints
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,37 +73,39 @@ def build(
     check_linear_solver(loaded)
     driver = build_driver(plan.kernels)
     skeleton = make_skeleton(geometry, holds)
-    rods = build_rods(loaded, geometry, plan, skeleton, driver)
-    elastic = build_elastic(loaded, geometry, plan, skeleton, rods, laws)
-    forces = build_forces(loaded, geometry, rods, laws)
-    real = skeleton.rest_lengths[: len(geometry.edges)]
-    mass = np.zeros(rods.dofs.n)
-    if not plan.static:
-        mass = rod_mass(
-            rods.dofs,
-            geometry.edges,
-            real,
-            geometry.per_edge("mass_per_length"),
-            geometry.per_edge("polar_per_length"),
-        )
-    model = Model(
-        dofs=rods.dofs,
-        rest=rods.rest,
-        mass=mass,
-        terms=(*elastic, *forces.all),
-        motions=build_motions(loaded, holds, skeleton, rods),
-        frames=rods.frames,
-        driver=driver,
-        length=float(np.median(real)),
+    free = find_shell_edges(geometry)
+    numbering = number_dofs(geometry, plan, skeleton, free)
+    dofs = numbering.dofs
+    rods = build_rods(loaded, geometry, plan, skeleton, numbering, driver)
+    shells = build_shells(
+        geometry, numbering, free, rods.frames, rods.auxiliaries, skeleton.positions, driver
     )
-    scene = Scene(geometry, plan, skeleton, rods)
+    elastic = (
+        *build_elastic(loaded, geometry, plan, skeleton, rods, laws),
+        *shells.membrane.values(),
+        *shells.bending.values(),
+    )
+    payload = point_masses(loaded, geometry, dofs.n_nodes)
+    forces = build_forces(loaded, geometry, dofs, payload, laws)
+    sides = [edge_lengths(geometry.nodes, topology.edges) for topology in free.topologies.values()]
+    model = Model(
+        dofs=dofs,
+        rest=numbering.rest,
+        mass=np.zeros(dofs.n) if plan.static else mass_matrix(geometry, dofs, payload),
+        terms=(*elastic, *forces.all),
+        motions=build_motions(loaded, holds, skeleton, free, numbering),
+        frames=shells.frames,
+        driver=driver,
+        length=float(np.median(np.concatenate((geometry.lengths, *sides)))),
+    )
+    scene = Scene(geometry, plan, skeleton, dofs, rods)
     fields = build_fields(loaded, scene)
     probes = {
-        name: build_probe(loaded, geometry, skeleton, rods, probe, ("output", "probes", name))
+        name: build_probe(loaded, geometry, skeleton, dofs, probe, ("output", "probes", name))
         for name, probe in scenario.output.probes.items()
     }
     watched = {
-        name: build_probe(loaded, geometry, skeleton, rods, e.probe, ("expect", name, "probe"))
+        name: build_probe(loaded, geometry, skeleton, dofs, e.probe, ("expect", name, "probe"))
         for name, e in scenario.expect.items()
     }
     roles = Roles(
@@ -117,7 +125,7 @@ def build(
         grid=grid,
         frame_every=every,
         max_cuts=scenario.numerics.step.max_cuts,
-        initial_velocity=initial_velocity(loaded, _velocities(loaded, geometry), rods),
+        initial_velocity=initial_velocity(loaded, _velocities(loaded, geometry), numbering),
         topology=build_topology(scene, fields, scalar_columns(roles, probes)),
         fields=fields,
         probes=probes,
@@ -159,11 +167,11 @@ def _velocities(loaded: LoadedScenario, geometry: Geometry) -> list[tuple[IntArr
 
 
 def _places(geometry: Geometry) -> tuple[str, ...]:
-    """Rod and number of every node."""
+    """Body and number of every node."""
     words = [""] * len(geometry.nodes)
-    for rod in geometry.rods:
-        for number, node in enumerate(geometry.rod_nodes[rod.name]):
-            words[node] = (
-                words[node] or f"rod '{rod.name}', node {number} of {len(geometry.rod_nodes[rod.name])}"
-            )
+    shells = {shell.name for shell in geometry.shells}
+    for name, nodes in geometry.body_nodes.items():
+        kind = "shell" if name in shells else "rod"
+        for number, node in enumerate(nodes):
+            words[node] = words[node] or f"{kind} '{name}', node {number} of {len(nodes)}"
     return tuple(words)

@@ -7,12 +7,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..model.dofs import DofMap
 from ..output.frame import FieldSpec, Topology
 from ..run import fields as made
 from ..scenario.load import LoadedScenario
 from .geometry import Geometry
 from .plan import Bending, Plan
-from .rods import PLANAR_AXIS, RodSystem, Skeleton
+from .rods import PLANAR_AXIS, RodSystem
+from .skeleton import Skeleton
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,6 +24,7 @@ class Scene:
     geometry: Geometry
     plan: Plan
     skeleton: Skeleton
+    dofs: DofMap
     rods: RodSystem
 
 
@@ -33,16 +36,16 @@ def build_fields(loaded: LoadedScenario, scene: Scene) -> tuple[made.Field, ...]
 def build_topology(scene: Scene, fields: tuple[made.Field, ...], scalars: dict[str, str]) -> Topology:
     """What writers need to know once."""
     geometry = scene.geometry
-    n = scene.rods.dofs.n
+    n = scene.dofs.n
     return Topology(
         rest_positions=geometry.nodes,
         edges=geometry.edges,
-        triangles=np.empty((0, 3), dtype=np.int64),
+        triangles=geometry.triangles,
         edge_radius=geometry.per_edge("radius"),
-        triangle_thickness=np.empty(0),
-        bodies=tuple(rod.name for rod in geometry.rods),
-        edge_body=geometry.edge_rod,
-        triangle_body=np.empty(0, dtype=np.int64),
+        triangle_thickness=geometry.per_triangle("thickness"),
+        bodies=tuple(geometry.body_nodes),
+        edge_body=np.array(geometry.rod_keys, dtype=np.int64)[geometry.edge_rod],
+        triangle_body=np.array(geometry.shell_keys, dtype=np.int64)[geometry.triangle_shell],
         fields=tuple(field.spec for field in fields),
         state={"q": ((n,), "m, rad"), "v": ((n,), "m/s, rad/s")},
         scalars=scalars,
@@ -59,7 +62,7 @@ def _curvature(scene: Scene) -> made.Field:
 
 
 def _twist(scene: Scene) -> made.Field:
-    joints, dofs = scene.skeleton.joints, scene.rods.dofs
+    joints, dofs = scene.skeleton.joints, scene.dofs
     if scene.plan.bending is not Bending.FRAMED:
         # a planar rod has no twist: an empty list of joints reports zero everywhere
         empty = np.empty((0, 2), dtype=np.int64)
@@ -85,6 +88,7 @@ def _axial_strain(scene: Scene) -> made.Field:
 def _axial_force(scene: Scene) -> made.Field:
     edges = scene.geometry.edges
     spec = FieldSpec(name="axial_force", unit="N", long_name="axial force, tension positive", location="cell")
+    assert scene.rods.stretch is not None
     natural, stiffness, rest = scene.rods.stretch.parameters
     return made.AxialField(edges, rest, natural, stiffness, spec)
 

@@ -13,15 +13,15 @@ from ..forces.load import DeadLoad
 from ..forces.moment import EdgeMoment
 from ..forces.resistive import resistive_force
 from ..forces.viscous import ViscousDamping
+from ..model.dofs import DofMap
 from ..model.laws import Law
 from ..model.mass import nodal_lengths
-from ..model.strains import lengths
 from ..model.term import Term
 from ..scenario.force import Buoyancy, Distributed, Gravity, Moment, Point, Resistive, Viscous
 from ..scenario.load import LoadedScenario
 from .geometry import Geometry
+from .inertia import nodal_mass, nodal_volume
 from .laws import ToLaw, components, vanishes
-from .rods import RodSystem
 from .selection import select_nodes
 
 
@@ -45,8 +45,17 @@ class Forces:
         return (*self.gravitational, *self.loads, *self.dissipative)
 
 
-def build_forces(loaded: LoadedScenario, geometry: Geometry, rods: RodSystem, laws: ToLaw) -> Forces:
+def build_forces(
+    loaded: LoadedScenario, geometry: Geometry, dofs: DofMap, payload: FloatArray, laws: ToLaw
+) -> Forces:
     """Make the force terms.
+
+    Args:
+        loaded: The scenario.
+        geometry: The bodies.
+        dofs: Numbering.
+        payload: Point mass of each node [kg], shape (n_nodes,).
+        laws: Laws of time from those of the scenario.
 
     Raises:
         ScenarioError: A selection is empty or a force leaves the plane of a planar scene.
@@ -54,7 +63,6 @@ def build_forces(loaded: LoadedScenario, geometry: Geometry, rods: RodSystem, la
     gravitational: list[DeadLoad] = []
     loads: list[Term] = []
     dissipative: list[Term] = []
-    dofs = rods.dofs
     gravities = [
         (index, components(force.acceleration, laws))
         for index, force in enumerate(loaded.scenario.forces)
@@ -64,28 +72,28 @@ def build_forces(loaded: LoadedScenario, geometry: Geometry, rods: RodSystem, la
         name = f"{force.type}[{index}]"
         match force:
             case Gravity():
-                mass = _nodal(geometry, dofs.n_nodes, geometry.per_edge("mass_per_length"))
+                mass = nodal_mass(geometry, dofs.n_nodes, payload)
                 vector = components(force.acceleration, laws)
-                gravitational += _loads(loaded, rods, name, (index, "acceleration"), vector, mass)
+                gravitational += _loads(loaded, dofs, name, (index, "acceleration"), vector, mass)
             case Buoyancy():
-                volume = _nodal(geometry, dofs.n_nodes, geometry.per_edge("area"))
+                volume = nodal_volume(geometry, dofs.n_nodes)
                 for number, vector in gravities:
                     label = f"{name} in gravity[{number}]"
                     gravitational += _loads(
-                        loaded, rods, label, (index,), vector, -force.fluid_density * volume
+                        loaded, dofs, label, (index,), vector, -force.fluid_density * volume
                     )
             case Point():
                 nodes = select_nodes(loaded, geometry, force.where, ("forces", index, "where"))
                 once = np.bincount(nodes, minlength=dofs.n_nodes).astype(np.float64)
                 vector = components(force.force, laws)
-                loads += _loads(loaded, rods, name, (index, "force"), vector, once)
+                loads += _loads(loaded, dofs, name, (index, "force"), vector, once)
             case Distributed():
                 length = _nodal(geometry, dofs.n_nodes, _selected(geometry, force.rods))
                 vector = components(force.force_per_length, laws)
-                loads += _loads(loaded, rods, name, (index, "force_per_length"), vector, length)
+                loads += _loads(loaded, dofs, name, (index, "force_per_length"), vector, length)
             case Moment():
                 nodes = select_nodes(loaded, geometry, force.where, ("forces", index, "where"))
-                loads += _moments(loaded, geometry, rods, name, index, nodes, components(force.moment, laws))
+                loads += _moments(loaded, geometry, dofs, name, index, nodes, components(force.moment, laws))
             case Viscous():
                 length = _nodal(geometry, dofs.n_nodes, _selected(geometry, force.rods))
                 damped = np.flatnonzero(length)
@@ -103,7 +111,7 @@ def build_forces(loaded: LoadedScenario, geometry: Geometry, rods: RodSystem, la
                         name,
                         dofs,
                         geometry.edges[wet],
-                        lengths(geometry.nodes, geometry.edges)[wet],
+                        geometry.lengths[wet],
                         force.tangential,
                         force.normal,
                     )
@@ -113,37 +121,37 @@ def build_forces(loaded: LoadedScenario, geometry: Geometry, rods: RodSystem, la
 
 def _nodal(geometry: Geometry, n_nodes: int, per_length: FloatArray) -> FloatArray:
     """Nodal sums of a density per rest length, shape (n_nodes,); walls get nothing."""
-    return nodal_lengths(n_nodes, geometry.edges, lengths(geometry.nodes, geometry.edges) * per_length)
+    return nodal_lengths(n_nodes, geometry.edges, geometry.lengths * per_length)
 
 
 def _selected(geometry: Geometry, names: Sequence[str] | None) -> FloatArray:
     """1 on the edges of the named rods (all by default), 0 elsewhere, shape (E,)."""
-    chosen = np.array([names is None or rod.name in names for rod in geometry.rods])
+    chosen = np.array([names is None or rod.name in names for rod in geometry.rods], dtype=np.bool_)
     return chosen[geometry.edge_rod].astype(np.float64)
 
 
 def _loads(
     loaded: LoadedScenario,
-    rods: RodSystem,
+    dofs: DofMap,
     name: str,
     path: tuple[str | int, ...],
     vector: tuple[Law, ...],
     nodal: FloatArray,
 ) -> Iterator[DeadLoad]:
     """One dead load per component that does not vanish: vector times a number on each node."""
-    for axis, law in _components(loaded, rods, path, vector):
+    for axis, law in _components(loaded, dofs, path, vector):
         unit = np.zeros(3)
         unit[axis] = 1.0
-        yield DeadLoad(f"{name}.{'xyz'[axis]}", weight(rods.dofs, nodal, unit), law)
+        yield DeadLoad(f"{name}.{'xyz'[axis]}", weight(dofs, nodal, unit), law)
 
 
 def _components(
-    loaded: LoadedScenario, rods: RodSystem, path: tuple[str | int, ...], vector: tuple[Law, ...]
+    loaded: LoadedScenario, dofs: DofMap, path: tuple[str | int, ...], vector: tuple[Law, ...]
 ) -> Iterator[tuple[int, Law]]:
     for axis, law in enumerate(vector):
         if vanishes(law):
             continue
-        if axis not in rods.dofs.axes:
+        if axis not in dofs.axes:
             raise loaded.error(
                 ("forces", *path), f"has a part in {'xyz'[axis]}, out of the plane of the scene"
             )
@@ -153,20 +161,24 @@ def _components(
 def _moments(
     loaded: LoadedScenario,
     geometry: Geometry,
-    rods: RodSystem,
+    dofs: DofMap,
     name: str,
     index: int,
     nodes: IntArray,
     vector: tuple[Law, ...],
 ) -> Iterator[EdgeMoment]:
-    """Moments on nodes, shared equally by the edges at each node."""
-    dofs = rods.dofs
+    """Moments on nodes, shared equally by the rod edges at each node."""
     degree = np.bincount(geometry.edges.reshape(-1), minlength=len(geometry.nodes))
     share = np.zeros(len(geometry.edges))
     for side in (0, 1):
         at = np.isin(geometry.edges[:, side], nodes)
         share[at] += 1.0 / degree[geometry.edges[at, side]]
     edges = np.flatnonzero(share)
+    if np.any(degree[nodes] == 0):
+        lone = nodes[degree[nodes] == 0][0]
+        raise loaded.error(
+            ("forces", index, "where"), f"selects node {lone}, which no rod has: a moment acts on rods"
+        )
     angles = dofs.of_angles(edges) if dofs.n_angles else np.empty(0, dtype=np.int64)
     for axis, law in enumerate(vector):
         if vanishes(law):

@@ -1,4 +1,4 @@
-"""Bodies of the scenario as one set of nodes and edges, joints welded, groups resolved."""
+"""Bodies of the scenario as one set of nodes, edges and triangles, groups resolved."""
 
 from __future__ import annotations
 
@@ -10,46 +10,39 @@ import numpy as np
 
 from ..arrays import FloatArray, IntArray
 from ..errors import MeshError
-from ..mesh import generate
-from ..mesh.mesh import Mesh
-from ..mesh.read import read_mesh
-from ..mesh.validate import validate
-from ..model.sections import (
-    RodProperties,
-    Section,
-    rectangular_section,
-    rod_properties,
-    round_section,
-    tube_section,
-)
+from ..model.sections import RodProperties
+from ..model.shell import triangle_areas
 from ..model.strains import lengths
-from ..scenario.geometry import Rod
-from ..scenario.joint import HingeJoint
+from ..scenario.geometry import Rod, Shell
 from ..scenario.load import LoadedScenario
-from ..scenario.schema import Scenario
-from ..scenario.section import GivenSection, RectangularSection, RoundSection, TubeSection
-from ..scenario.shape import Arc, CsvCurve, Helix, Line, Polyline
-
-# Nodes of a joint must coincide to this fraction of the shortest edge.
-_COINCIDENT = 1e-6
+from .body import BodyMesh
+from .rod_body import properties_of, rod_mesh, with_ends
+from .shell_body import ShellProperties, shell_mesh, shell_properties
 
 
 @dataclass(frozen=True, slots=True)
 class Geometry:
-    """All rods together.
+    """All bodies together.
 
     Attributes:
         nodes: Positions [m], shape (N, 3).
         edges: Rod edges, shape (E, 2).
         edge_rod: Rod of each edge, shape (E,).
         rods: The rods, in the order of the scenario.
+        rod_keys: Place of each rod in the scenario's list of bodies.
         properties: Stiffness and inertia of each rod.
-        node_groups: ``rod``, ``rod.start``, ``rod.end``, ``rod.GROUP`` to node indices.
-        edge_groups: The same names to edge indices.
-        rod_nodes: Nodes of each rod, in its own order.
+        triangles: Shell triangles, shape (T, 3).
+        triangle_shell: Shell of each triangle, shape (T,).
+        shells: The shells, in the order of the scenario.
+        shell_keys: Place of each shell in the scenario's list of bodies.
+        sheets: Stiffness and inertia of each shell.
+        node_groups: ``body``, ``body.GROUP``, ``rod.start``, ``rod.end``, ``shell.boundary`` to nodes.
+        edge_groups: ``rod``, ``rod.start``, ``rod.end``, ``rod.GROUP`` to edge indices.
+        body_nodes: Nodes of each body, in its own order.
         rod_edges: Edges of each rod, in its own order.
         hinges: Nodes where no bending or twist passes between any edges.
         rod_hinges: Nodes where none passes between edges of different rods.
+        files: File of each body's mesh, or None, and its nodes' numbers there.
         notes: What the mesh readers said.
     """
 
@@ -57,201 +50,119 @@ class Geometry:
     edges: IntArray
     edge_rod: IntArray
     rods: tuple[Rod, ...]
+    rod_keys: tuple[int, ...]
     properties: tuple[RodProperties, ...]
+    triangles: IntArray
+    triangle_shell: IntArray
+    shells: tuple[Shell, ...]
+    shell_keys: tuple[int, ...]
+    sheets: tuple[ShellProperties, ...]
     node_groups: Mapping[str, IntArray]
     edge_groups: Mapping[str, IntArray]
-    rod_nodes: Mapping[str, IntArray]
+    body_nodes: Mapping[str, IntArray]
     rod_edges: Mapping[str, IntArray]
     hinges: IntArray
     rod_hinges: IntArray
+    files: Mapping[str, tuple[Path, IntArray]]
     notes: tuple[str, ...]
 
     def per_edge(self, name: str) -> FloatArray:
         """A property of the rods on every edge, shape (E,)."""
-        return np.array([getattr(p, name) for p in self.properties])[self.edge_rod]
+        return np.array([getattr(p, name) for p in self.properties], dtype=np.float64)[self.edge_rod]
+
+    def per_triangle(self, name: str) -> FloatArray:
+        """A property of the shells on every triangle, shape (T,)."""
+        return np.array([getattr(s, name) for s in self.sheets], dtype=np.float64)[self.triangle_shell]
+
+    @property
+    def lengths(self) -> FloatArray:
+        """Rest lengths of the rod edges [m], shape (E,)."""
+        return lengths(self.nodes, self.edges)
+
+    @property
+    def areas(self) -> FloatArray:
+        """Rest areas of the triangles [m^2], shape (T,)."""
+        return triangle_areas(self.nodes, self.triangles)
+
+    @property
+    def on_shell(self) -> IntArray:
+        """Nodes of the shells."""
+        return np.unique(self.triangles)
+
+    def triangles_of(self, shell: str) -> IntArray:
+        """Indices of the triangles of a shell."""
+        return np.flatnonzero(self.triangle_shell == [one.name for one in self.shells].index(shell))
 
 
 def assemble_geometry(loaded: LoadedScenario) -> Geometry:
-    """Read or generate every rod and put them together; joints are welded later.
+    """Read or generate every body and put them together; joints are welded later.
 
     Raises:
         ScenarioError: A mesh is unusable.
     """
     scenario = loaded.scenario
-    nodes, edges, edge_rod, notes = [], [], [], []
+    nodes, edges, edge_rod, triangles, triangle_shell, notes = [], [], [], [], [], []
     node_groups: dict[str, IntArray] = {}
     edge_groups: dict[str, IntArray] = {}
-    rod_nodes: dict[str, IntArray] = {}
+    body_nodes: dict[str, IntArray] = {}
     rod_edges: dict[str, IntArray] = {}
+    files: dict[str, tuple[Path, IntArray]] = {}
+    rods, shells = scenario.rods, scenario.shells
     n = e = 0
-    for index, rod in enumerate(scenario.geometry):
-        mesh = _mesh(loaded, index, rod)
-        notes += [f"{rod.name}: {note}" for note in mesh.notes]
+    for index, body in enumerate(scenario.geometry):
+        found = _mesh(loaded, index, body)
+        mesh = found.mesh
+        notes += [f"{body.name}: {note}" for note in mesh.notes]
         nodes.append(mesh.nodes)
         edges.append(mesh.edges + n)
-        edge_rod.append(np.full(len(mesh.edges), index))
-        rod_nodes[rod.name] = node_groups[rod.name] = n + np.arange(len(mesh.nodes))
-        rod_edges[rod.name] = edge_groups[rod.name] = e + np.arange(len(mesh.edges))
-        for name, group in _with_ends(mesh).items():
-            node_groups[f"{rod.name}.{name}"] = group + n
-            inside = np.isin(mesh.edges, group)
-            touching = inside.all(axis=1) if len(group) > 1 else inside.any(axis=1)
-            edge_groups[f"{rod.name}.{name}"] = e + np.flatnonzero(touching)
+        triangles.append(mesh.triangles + n)
+        body_nodes[body.name] = node_groups[body.name] = n + np.arange(len(mesh.nodes))
+        if found.file is not None:
+            files[body.name] = (found.file, found.numbers)
+        if isinstance(body, Rod):
+            edge_rod.append(np.full(len(mesh.edges), list(rods).index(index)))
+            rod_edges[body.name] = edge_groups[body.name] = e + np.arange(len(mesh.edges))
+        else:
+            triangle_shell.append(np.full(len(mesh.triangles), list(shells).index(index)))
+        for name, group in with_ends(mesh).items():
+            node_groups[f"{body.name}.{name}"] = group + n
+            if isinstance(body, Rod):
+                inside = np.isin(mesh.edges, group)
+                touching = inside.all(axis=1) if len(group) > 1 else inside.any(axis=1)
+                edge_groups[f"{body.name}.{name}"] = e + np.flatnonzero(touching)
         for name, group in mesh.edge_groups.items():
-            edge_groups[f"{rod.name}.{name}"] = group + e
-            node_groups.setdefault(f"{rod.name}.{name}", np.unique(mesh.edges[group]) + n)
+            edge_groups[f"{body.name}.{name}"] = group + e
+            node_groups.setdefault(f"{body.name}.{name}", np.unique(mesh.edges[group]) + n)
         n, e = n + len(mesh.nodes), e + len(mesh.edges)
     empty = np.empty(0, dtype=np.int64)
     return Geometry(
-        np.concatenate(nodes),
-        np.concatenate(edges),
-        np.concatenate(edge_rod),
-        scenario.geometry,
-        tuple(_properties(scenario, rod) for rod in scenario.geometry),
-        node_groups,
-        edge_groups,
-        rod_nodes,
-        rod_edges,
-        empty,
-        empty,
-        tuple(notes),
+        nodes=np.concatenate(nodes),
+        edges=np.concatenate(edges),
+        edge_rod=np.concatenate((empty, *edge_rod)),
+        rods=tuple(rods.values()),
+        rod_keys=tuple(rods),
+        properties=tuple(properties_of(rod, scenario.materials[rod.material]) for rod in rods.values()),
+        triangles=np.concatenate(triangles),
+        triangle_shell=np.concatenate((empty, *triangle_shell)),
+        shells=tuple(shells.values()),
+        shell_keys=tuple(shells),
+        sheets=tuple(shell_properties(one, scenario.materials[one.material]) for one in shells.values()),
+        node_groups=node_groups,
+        edge_groups=edge_groups,
+        body_nodes=body_nodes,
+        rod_edges=rod_edges,
+        hinges=empty,
+        rod_hinges=empty,
+        files=files,
+        notes=tuple(notes),
     )
 
 
-def weld_joints(loaded: LoadedScenario, geometry: Geometry) -> Geometry:
-    """Merge the nodes of the scenario's joints and list the hinges.
-
-    Raises:
-        ScenarioError: Two nodes of a joint do not coincide.
-    """
-    from .selection import select_single_node
-
-    target = np.arange(len(geometry.nodes))
-    hinges: list[int] = []
-    rod_hinges: list[int] = []
-    near = _COINCIDENT * lengths(geometry.nodes, geometry.edges).min()
-    for index, joint in enumerate(loaded.scenario.joints):
-        path = ("joints", index)
-        if isinstance(joint, HingeJoint) and joint.where is not None:
-            hinges.append(select_single_node(loaded, geometry, joint.where, (*path, "where")))
-            continue
-        assert joint.nodes is not None
-        a, b = (
-            select_single_node(loaded, geometry, side, (*path, "nodes", k))
-            for k, side in enumerate(joint.nodes)
-        )
-        gap = float(np.linalg.norm(geometry.nodes[a] - geometry.nodes[b]))
-        if gap > near:
-            raise loaded.error(
-                (*path, "nodes"), f"the two nodes are {gap:.3g} m apart; a joint needs them to coincide"
-            )
-        target[target == target[b]] = target[a]
-        if isinstance(joint, HingeJoint):
-            rod_hinges.append(a)
-    kept, index_of = np.unique(target, return_inverse=True)
-
-    def moved(groups: Mapping[str, IntArray]) -> dict[str, IntArray]:
-        return {name: index_of[group] for name, group in groups.items()}
-
-    edges = index_of[geometry.edges]
-    degenerate = np.flatnonzero(edges[:, 0] == edges[:, 1])
-    if degenerate.size:
-        raise loaded.error(("joints",), f"a joint welds both ends of edge {degenerate[0]} together")
-    return Geometry(
-        geometry.nodes[kept],
-        edges,
-        geometry.edge_rod,
-        geometry.rods,
-        geometry.properties,
-        moved(geometry.node_groups),
-        geometry.edge_groups,
-        moved(geometry.rod_nodes),
-        geometry.rod_edges,
-        index_of[np.array(hinges, dtype=np.int64)],
-        index_of[np.array(rod_hinges, dtype=np.int64)],
-        geometry.notes,
-    )
-
-
-def _with_ends(mesh: Mesh) -> dict[str, IntArray]:
-    """Node groups, with ``start`` and ``end`` of a single open chain from a file too."""
-    groups = dict(mesh.node_groups)
-    degree = np.bincount(mesh.edges.reshape(-1), minlength=len(mesh.nodes))
-    ends = np.flatnonzero(degree == 1)
-    if len(ends) == 2 and degree.max() == 2:
-        groups.setdefault("start", ends[:1])
-        groups.setdefault("end", ends[1:])
-    return groups
-
-
-def _mesh(loaded: LoadedScenario, index: int, rod: Rod) -> Mesh:
-    path = ("geometry", index, "generate" if rod.generate is not None else "mesh")
+def _mesh(loaded: LoadedScenario, index: int, body: Rod | Shell) -> BodyMesh:
+    path = ("geometry", index, "generate" if body.generate is not None else "mesh")
     try:
-        return _generated(rod, loaded.directory) if rod.generate is not None else _read(rod, loaded.directory)
+        if isinstance(body, Rod):
+            return rod_mesh(body, loaded.directory)
+        return shell_mesh(body, loaded.directory)
     except MeshError as error:
         raise loaded.error(path, str(error)) from error
-
-
-def _read(rod: Rod, directory: Path) -> Mesh:
-    assert rod.mesh is not None
-    mesh = read_mesh(directory / rod.mesh.file)
-    if rod.mesh.group is not None:
-        if rod.mesh.group not in mesh.edge_groups:
-            known = ", ".join(sorted(mesh.edge_groups)) or "none"
-            raise MeshError(f"{rod.mesh.file} has no group of lines '{rod.mesh.group}'; it has: {known}")
-        chosen = mesh.edge_groups[rod.mesh.group]
-        used, edges = np.unique(mesh.edges[chosen], return_inverse=True)
-        back = np.full(len(mesh.nodes), -1)
-        back[used] = np.arange(len(used))
-        groups = {name: back[g][back[g] >= 0] for name, g in mesh.node_groups.items()}
-        mesh = Mesh(
-            nodes=mesh.nodes[used],
-            edges=edges.reshape(-1, 2),
-            node_groups={name: g for name, g in groups.items() if g.size},
-            notes=mesh.notes,
-        )
-    if len(mesh.edges) == 0:
-        raise MeshError(f"{rod.mesh.file} has no lines; a rod needs some")
-    return validate(mesh, rod.mesh.file)
-
-
-def _generated(rod: Rod, directory: Path) -> Mesh:
-    match rod.generate:
-        case Line() as s:
-            return generate.line(s.start, s.end, s.nodes)
-        case Arc() as s:
-            return generate.arc(s.center, s.radius, s.normal, s.start, s.angle, s.nodes, closed=s.closed)
-        case Helix() as s:
-            return generate.helix(
-                s.origin, s.axis, s.radius, s.pitch, s.turns, s.nodes, handedness=s.handedness, phase=s.phase
-            )
-        case Polyline() as s:
-            return generate.polyline(s.points, nodes=s.nodes, spacing=s.spacing, closed=s.closed)
-        case CsvCurve() as s:
-            return generate.from_csv(directory / s.file, s.columns, closed=s.closed)
-        case None:
-            raise AssertionError("the schema asks for generate or mesh")
-
-
-def _properties(scenario: Scenario, rod: Rod) -> RodProperties:
-    material = scenario.materials[rod.material]
-    shape: Section
-    match rod.cross_section:
-        case RoundSection() as s:
-            shape = round_section(s.radius)
-        case TubeSection() as s:
-            shape = tube_section(s.outer_radius, s.inner_radius)
-        case RectangularSection() as s:
-            shape = rectangular_section(s.width, s.thickness, s.torsion_constant)
-        case GivenSection() as s:
-            return RodProperties(
-                axial=s.axial_stiffness,
-                bending_1=s.bending_stiffness_1,
-                bending_2=s.bending_stiffness_2,
-                torsional=s.torsional_stiffness,
-                mass_per_length=s.mass_per_length,
-                polar_per_length=s.rotary_inertia_per_length,
-                area=s.mass_per_length / material.density,
-                radius=s.radius,
-            )
-    return rod_properties(shape, material.youngs_modulus, material.poisson_ratio, material.density)

@@ -33,6 +33,7 @@ class Hold:
         walls: Nodes of ``nodes`` where a wall edge continues the rod: clamps at a single node.
         rigid: Edges that are rigid because both their nodes are clamped at the node: only the
             free half of a joint next to them bends.
+        sloped: Nodes between which the normals of shell edges are held too: those of a clamp.
         release: Time [s] of release.
     """
 
@@ -44,6 +45,7 @@ class Hold:
     twist: Law
     walls: IntArray
     rigid: IntArray
+    sloped: IntArray
     release: float
 
 
@@ -73,12 +75,21 @@ def resolve_holds(loaded: LoadedScenario, geometry: Geometry, laws: ToLaw) -> tu
                 nodes = select_nodes(loaded, geometry, motion.where, path)
                 axes = tuple(AXES.index(c) for c in motion.components)
                 displacement = _displacement(motion.displacement, laws)
-                holds.append(Hold(name, nodes, axes, displacement, _NONE, ZERO, _NONE, _NONE, release))
+                holds.append(Hold(name, nodes, axes, displacement, _NONE, ZERO, _NONE, _NONE, _NONE, release))
             case Twist():
                 edges = select_edges(loaded, geometry, motion.where, path)
                 holds.append(
                     Hold(
-                        name, _NONE, (), (ZERO, ZERO, ZERO), edges, laws(motion.angle), _NONE, _NONE, release
+                        name,
+                        _NONE,
+                        (),
+                        (ZERO, ZERO, ZERO),
+                        edges,
+                        laws(motion.angle),
+                        _NONE,
+                        _NONE,
+                        _NONE,
+                        release,
                     )
                 )
     return tuple(holds)
@@ -116,8 +127,10 @@ def _clamp(
         beside = np.flatnonzero(np.isin(geometry.edges, lonely).any(axis=1))
         nodes = np.union1d(nodes, geometry.edges[beside])
         edges = np.flatnonzero(np.isin(geometry.edges, nodes).all(axis=1))
-        return Hold(name, nodes, axes, displacement, edges, twist, _NONE, _NONE, release)
+        return Hold(name, nodes, axes, displacement, edges, twist, _NONE, _NONE, nodes, release)
     lonely = np.setdiff1d(nodes, geometry.edges[inside])
+    # at a shell a rod is hinged: its direction stays free
+    lonely = np.setdiff1d(lonely, geometry.on_shell)
     degree = np.bincount(geometry.edges.reshape(-1), minlength=len(geometry.nodes))
     crowded = lonely[degree[lonely] != 1]
     if crowded.size:
@@ -126,4 +139,4 @@ def _clamp(
             f"node {crowded[0]} is no rod end: a clamp at a node inside a rod needs its "
             "neighbour selected too, or 'at: edge'",
         )
-    return Hold(name, nodes, axes, displacement, inside, twist, lonely, inside, release)
+    return Hold(name, nodes, axes, displacement, inside, twist, lonely, inside, nodes, release)

@@ -8,20 +8,26 @@ from ..arrays import FloatArray, IntArray
 from ..model.laws import Law
 from ..model.motion import Motion
 from ..scenario.load import LoadedScenario
-from .holds import AXES, Hold
+from .holds import AXES, ZERO, Hold
 from .laws import vanishes
-from .rods import RodSystem, Skeleton
+from .numbering import Numbering
+from .shell_edges import ShellEdges
+from .skeleton import Skeleton
 
 
 def build_motions(
-    loaded: LoadedScenario, holds: tuple[Hold, ...], skeleton: Skeleton, rods: RodSystem
+    loaded: LoadedScenario,
+    holds: tuple[Hold, ...],
+    skeleton: Skeleton,
+    free: ShellEdges,
+    numbering: Numbering,
 ) -> tuple[Motion, ...]:
-    """Hold node positions, edge angles, and the walls behind clamped rod ends.
+    """Hold node positions, edge angles, mid-edge normals, and the walls behind clamped rod ends.
 
     Raises:
         ScenarioError: A motion leaves the plane of a planar scene, or two motions hold one DOF.
     """
-    dofs, rest = rods.dofs, rods.rest
+    dofs, rest = numbering.dofs, numbering.rest
     n_nodes = len(skeleton.positions) - len(skeleton.wall_nodes)
     n_edges = len(skeleton.edges) - len(skeleton.wall_nodes)
     motions: list[Motion] = []
@@ -56,24 +62,26 @@ def build_motions(
             edges = np.concatenate((one.edges, n_edges + walls))
             hold(index, f"{one.name} twist", dofs.of_angles(edges), one.twist, one.release)
         elif not vanishes(one.twist):
-            raise loaded.error(("motions", index), "a planar scene has no twist")
+            raise loaded.error(("motions", index), "turns no edge: the scene has no rod that can twist")
+        normals = np.flatnonzero(np.isin(free.edges, one.sloped).all(axis=1))
+        hold(index, f"{one.name} normals", dofs.of_normals(normals), ZERO, one.release)
     return tuple(motions)
 
 
 def initial_velocity(
-    loaded: LoadedScenario, velocities: list[tuple[IntArray, FloatArray]], rods: RodSystem
+    loaded: LoadedScenario, velocities: list[tuple[IntArray, FloatArray]], numbering: Numbering
 ) -> FloatArray:
     """Velocity of every DOF at t = 0, shape (n,).
 
     Args:
         loaded: For messages.
         velocities: Nodes and their space velocities [m/s], shapes (K,) and (K, 3).
-        rods: Numbering.
+        numbering: DOFs.
 
     Raises:
         ScenarioError: A velocity leaves the plane of a planar scene.
     """
-    dofs = rods.dofs
+    dofs = numbering.dofs
     v = np.zeros(dofs.n)
     for index, (nodes, values) in enumerate(velocities):
         hidden = [axis for axis in range(3) if axis not in dofs.axes]

@@ -5,6 +5,7 @@ Only exact reductions are taken: each leaves the answer unchanged and has an equ
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import Enum
 from importlib.util import find_spec
@@ -27,11 +28,18 @@ from .holds import Hold, twists
 _STRAIGHT = 1e-9
 # Compiling costs about 10 s; below this much estimated NumPy time it never pays [stencil updates].
 _COMPILE_WORTH = 2_000_000
+# A triangle bends at a hinge and a half and stretches: worth this many rod edges.
+_TRIANGLE = 3.0
+
+VELOCITY_DEPENDENT = frozenset(
+    ("viscous", "resistive", "aerodynamic", "hydrodynamic", "area_damping", "thrust")
+)
 
 
 class Bending(Enum):
     """Bending models of the rods of a scene."""
 
+    NONE = "no rods: no edge angles, no rod frames"
     PLANAR = "planar: signed curvature, 2 DOFs per node"
     ISOTROPIC = "isotropic: curvature binormal, 3 DOFs per node"
     FRAMED = "framed: material curvatures and twist, 3 DOFs per node and 1 per edge"
@@ -89,13 +97,17 @@ def make_plan(
         _check_planar(loaded, geometry, axes)
         bending = Bending.PLANAR
         decisions.append(Decision(bending.value, f"dimension 2, plane {scenario.plane}"))
-    else:
+    elif geometry.rods:
         bending, why = _bending(loaded, geometry, holds)
         decisions.append(Decision(bending.value, why))
+    else:
+        bending = Bending.NONE
+        decisions.append(Decision(bending.value, "the scene has shells only"))
+    decisions += _shells(geometry)
     static = isinstance(scenario.numerics.integrator, Static)
     if static:
         decisions.append(Decision("no inertia", "static: mass enters the weight only"))
-    if not any(f.type in ("viscous", "resistive") for f in scenario.forces):
+    if not any(f.type in VELOCITY_DEPENDENT for f in scenario.forces):
         decisions.append(Decision("no damping matrix", "no force depends on velocity"))
     kernels, why = (kernels, "as in the resumed run") if kernels else _kernels(loaded, geometry)
     decisions.append(Decision(f"kernels by {kernels}", why))
@@ -116,7 +128,7 @@ def _check_planar(loaded: LoadedScenario, geometry: Geometry, axes: tuple[int, .
 
 def _bending(loaded: LoadedScenario, geometry: Geometry, holds: tuple[Hold, ...]) -> tuple[Bending, str]:
     obstacle = _needs_frames(loaded, geometry, holds)
-    for index, rod in enumerate(loaded.scenario.geometry):
+    for index, rod in loaded.scenario.rods.items():
         if rod.bending == "framed":
             return Bending.FRAMED, f"asked for by rod '{rod.name}'"
         if rod.bending == "isotropic" and obstacle:
@@ -129,6 +141,18 @@ def _bending(loaded: LoadedScenario, geometry: Geometry, holds: tuple[Hold, ...]
         "equal bending stiffness, straight natural shape, open chains, nothing turns or holds a rod "
         "about its axis at more than one end: no twist can arise"
     )
+
+
+def _shells(geometry: Geometry) -> Iterator[Decision]:
+    for shell in geometry.shells:
+        count = len(geometry.triangles_of(shell.name))
+        if shell.bending == "midedge":
+            what = f"mid-edge normals on shell '{shell.name}': one angle per edge of {count} triangles"
+            why = "asked for, or by default: converges on every mesh"
+        else:
+            what = f"no mid-edge normals on shell '{shell.name}': no DOFs beside its nodes"
+            why = f"bending: {shell.bending}"
+        yield Decision(what, why)
 
 
 def _needs_frames(loaded: LoadedScenario, geometry: Geometry, holds: tuple[Hold, ...]) -> str:
@@ -191,7 +215,7 @@ def _kernels(loaded: LoadedScenario, geometry: Geometry) -> tuple[str, str]:
         if isinstance(numerics.integrator, Static)
         else (numerics.t_end or 0.0) / (numerics.dt or 1.0)
     )
-    work = 4.0 * steps * (len(geometry.edges) + 150)
+    work = 4.0 * steps * (len(geometry.edges) + _TRIANGLE * len(geometry.triangles) + 150)
     if work < _COMPILE_WORTH:
         return "numpy", "the run is shorter than compiling the kernels"
     return "numba", "the run is long enough to repay compiling"

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..model.dofs import DofMap
 from ..run import probes as made
 from ..scenario import probe as said
 from ..scenario.load import LoadedScenario
 from .geometry import Geometry
-from .rods import RodSystem, Skeleton
 from .selection import KeyPath, select_edges, select_nodes
+from .skeleton import Skeleton
 
 AXES = {"x": 0, "y": 1, "z": 2, "magnitude": None}
 
@@ -18,7 +19,7 @@ def build_probe(
     loaded: LoadedScenario,
     geometry: Geometry,
     skeleton: Skeleton,
-    rods: RodSystem,
+    dofs: DofMap,
     probe: said.Probe,
     path: KeyPath,
 ) -> made.Probe:
@@ -45,7 +46,7 @@ def build_probe(
             )
             return made.Distance(first, second)
         case said.MeanPositionProbe():
-            return made.Position(geometry.rod_nodes[probe.mean_position], origin, AXES[probe.component])
+            return made.Position(geometry.body_nodes[probe.mean_position], origin, AXES[probe.component])
         case said.EnergyProbe():
             return made.Energy(probe.energy)
         case said.ReactionProbe():
@@ -54,8 +55,8 @@ def build_probe(
             return made.Reaction(np.concatenate((nodes, behind)), AXES[probe.component])
         case said.TwistProbe():
             edges = select_edges(loaded, geometry, probe.twist, (*path, "twist"))
-            if rods.dofs.n_angles == 0:
-                raise loaded.error((*path, "twist"), "a planar scene has no twist")
-            return made.TwistAngle(rods.dofs.of_angles(edges))
+            if dofs.n_angles == 0:
+                raise loaded.error((*path, "twist"), "the scene has no rod that can twist")
+            return made.TwistAngle(dofs.of_angles(edges))
         case said.StabilityProbe():
             return made.NegativeEigenvalues()

@@ -12,16 +12,16 @@ from ..energies.bend_isotropic import BEND_ISOTROPIC
 from ..energies.bend_planar import BEND_PLANAR
 from ..energies.stretch import STRETCH, STRETCH_PLANAR
 from ..energies.twist import TWIST
-from ..mesh.topology import chains, rod_stencils
 from ..model.dofs import DofMap
 from ..model.driver import Driver
 from ..model.frames import Frames, NoFrames, RodFrames, space_parallel
 from ..model.stencil import StencilEnergy, no_auxiliaries
-from ..model.strains import lengths, material_curvatures, planar_curvature
+from ..model.strains import material_curvatures, planar_curvature
 from ..scenario.load import LoadedScenario
 from .geometry import Geometry
-from .holds import Hold
-from .plan import Bending, Plan, free_joints
+from .numbering import Numbering
+from .plan import Bending, Plan
+from .skeleton import Joints, Skeleton
 
 PLANAR_AXIS: dict[tuple[int, ...], tuple[float, float, float]] = {
     (0, 2): (0.0, -1.0, 0.0),
@@ -31,128 +31,13 @@ PLANAR_AXIS: dict[tuple[int, ...], tuple[float, float, float]] = {
 
 
 @dataclass(frozen=True, slots=True)
-class Joints:
-    """Bend-twist stencils of all rods, walls of clamps included.
-
-    Attributes:
-        triples: Nodes, shape (J, 3).
-        pairs: Edges, shape (J, 2).
-        signs: Walking directions, shape (J, 2).
-        voronoi: Length over which each joint bends [m], shape (J,).
-        rod: Rod of each joint, -1 between rods, shape (J,).
-        number: Number of the joint along its rod, shape (J,); a wall has that of its neighbour.
-    """
-
-    triples: IntArray
-    pairs: IntArray
-    signs: FloatArray
-    voronoi: FloatArray
-    rod: IntArray
-    number: IntArray
-
-
-@dataclass(frozen=True, slots=True)
-class Skeleton:
-    """Nodes and edges of the model: the geometry's first, then one of each per wall.
-
-    Attributes:
-        positions: Rest positions [m], shape (N + W, 3).
-        edges: All edges, shape (E + W, 2).
-        owners: Edge of the geometry that each wall continues, shape (W,).
-        wall_nodes: Node of the geometry at each wall, shape (W,).
-        rest_lengths: Edge lengths [m], shape (E + W,).
-        joints: Bend-twist stencils.
-    """
-
-    positions: FloatArray
-    edges: IntArray
-    owners: IntArray
-    wall_nodes: IntArray
-    rest_lengths: FloatArray
-    joints: Joints
-
-
-def make_skeleton(geometry: Geometry, holds: tuple[Hold, ...]) -> Skeleton:
-    """Add a wall edge behind every rod end that is clamped at its node.
-
-    The wall continues the rod by one edge that never moves relative to the clamp; the joint
-    between them bends over the half edge on the free side only. So the clamp acts at the node,
-    with second-order accuracy, where a clamp of two nodes acts half an edge inside.
-    """
-    n, e = len(geometry.nodes), len(geometry.edges)
-    wall_nodes = np.unique(np.concatenate([np.empty(0, dtype=np.int64), *(h.walls for h in holds)]))
-    touching = np.isin(geometry.edges, wall_nodes)
-    owner_of = {
-        int(geometry.edges[k, i]): (int(k), int(i)) for k, i in zip(*np.nonzero(touching), strict=True)
-    }
-    owners = np.array([owner_of[int(w)][0] for w in wall_nodes], dtype=np.int64)
-    positions, edges = [geometry.nodes], [geometry.edges]
-    for k, node in enumerate(wall_nodes):
-        owner, side = owner_of[int(node)]
-        other = geometry.nodes[geometry.edges[owner, 1 - side]]
-        positions.append((2.0 * geometry.nodes[node] - other)[None])
-        edges.append(np.array([[n + k, node] if side == 0 else [node, n + k]]))
-    all_positions, all_edges = np.concatenate(positions), np.concatenate(edges)
-    rest = lengths(all_positions, all_edges)
-    rigid = np.zeros(len(all_edges), dtype=bool)
-    rigid[e:] = True
-    for hold in holds:
-        rigid[hold.rigid] = True
-    edge_rod = np.concatenate((geometry.edge_rod, geometry.edge_rod[owners]))
-    return Skeleton(
-        all_positions,
-        all_edges,
-        owners,
-        wall_nodes,
-        rest,
-        _joints(geometry, all_edges, rest, rigid, edge_rod),
-    )
-
-
-def _joints(
-    geometry: Geometry, edges: IntArray, rest: FloatArray, rigid: FloatArray, edge_rod: IntArray
-) -> Joints:
-    n_nodes = int(edges.max()) + 1
-    triples, pairs, signs = rod_stencils(n_nodes, edges)
-    rods = edge_rod[pairs]
-    kept = free_joints(geometry, triples, rods)
-    triples, pairs, signs, rods = triples[kept], pairs[kept], signs[kept], rods[kept]
-    half = np.where(rigid, 0.0, 0.5 * rest)
-    voronoi = half[pairs].sum(axis=1)
-    # between two held edges nothing can bend; any length will do
-    voronoi = np.where(voronoi > 0.0, voronoi, 0.5 * rest[pairs].sum(axis=1))
-    rod = np.where(rods[:, 0] == rods[:, 1], rods[:, 0], -1)
-    return Joints(triples, pairs, signs.astype(np.float64), voronoi, rod, _numbers(geometry, triples, rod))
-
-
-def _numbers(geometry: Geometry, triples: IntArray, rod: IntArray) -> IntArray:
-    """Number each joint along its rod from the start of the rod."""
-    number = np.zeros(len(triples), dtype=np.int64)
-    for index, one in enumerate(geometry.rods):
-        members = np.flatnonzero(rod == index)
-        place = np.full(int(triples.max(initial=0)) + 1, -1)
-        count = 0
-        for chain in chains(len(geometry.nodes), geometry.edges[geometry.rod_edges[one.name]]):
-            inner = chain.nodes[1:-1] if chain.kind.value == "open" else chain.nodes
-            place[inner] = count + np.arange(len(inner))
-            if chain.kind.value == "open":
-                # the joints at walls count as their inner neighbours
-                place[chain.nodes[0]] = count
-                place[chain.nodes[-1]] = count + max(len(inner) - 1, 0)
-            count += len(inner)
-        number[members] = place[triples[members, 1]]
-    return number
-
-
-@dataclass(frozen=True, slots=True)
 class RodSystem:
     """What the rods give to the model.
 
     Attributes:
-        dofs: Numbering.
-        rest: Rest configuration q, shape (n,).
         frames: Frames, or their absence.
-        stretch: Stretching energy of the geometry's edges.
+        auxiliaries: Length of the auxiliary array of the frames.
+        stretch: Stretching energy of the geometry's edges, or None without rods.
         bending: Bending energy of the joints, or None without joints.
         twist: Twisting energy of the joints of framed rods, else None.
         bending_stiffness: EI1 and EI2 of each joint [N m^2], shape (2, J).
@@ -161,10 +46,9 @@ class RodSystem:
         auxiliary_indices: Framed scenes: places of the directors, shape (J, 12).
     """
 
-    dofs: DofMap
-    rest: FloatArray
     frames: Frames
-    stretch: StencilEnergy
+    auxiliaries: int
+    stretch: StencilEnergy | None
     bending: StencilEnergy | None
     twist: StencilEnergy | None
     bending_stiffness: FloatArray
@@ -173,20 +57,32 @@ class RodSystem:
 
 
 def build_rods(
-    loaded: LoadedScenario, geometry: Geometry, plan: Plan, skeleton: Skeleton, driver: Driver
+    loaded: LoadedScenario,
+    geometry: Geometry,
+    plan: Plan,
+    skeleton: Skeleton,
+    numbering: Numbering,
+    driver: Driver,
 ) -> RodSystem:
-    """Number the DOFs and make the energies of all rods.
+    """Make the frames and energies of all rods.
 
     Raises:
         ScenarioError: A section or a list of natural strains does not fit.
     """
+    if plan.bending is Bending.NONE:
+        return RodSystem(
+            NoFrames(),
+            0,
+            None,
+            None,
+            None,
+            np.empty((2, 0)),
+            np.empty((0, 2), dtype=np.int64),
+            np.empty((0, 12), dtype=np.int64),
+        )
+    dofs, rest = numbering.dofs, numbering.rest
     framed = plan.bending is Bending.FRAMED
-    n_edges = len(skeleton.edges) if framed else 0
-    hidden = [axis for axis in range(3) if axis not in plan.axes]
-    level = float(geometry.nodes[0, hidden[0]]) if hidden else 0.0
-    dofs = DofMap(len(skeleton.positions), n_edges, plan.axes, len(geometry.nodes), level)
-    rest = np.zeros(dofs.n)
-    rest[: dofs.n_positions] = dofs.project(skeleton.positions).reshape(-1)
+    n_edges = dofs.n_angles
     directors = _directors(geometry, skeleton)
     in_plane = _in_plane(loaded, geometry, plan, directors)
     joints = skeleton.joints
@@ -219,9 +115,8 @@ def build_rods(
                 loaded, geometry, skeleton, dofs, rest, stiffness, frames, n_edges
             )
     return RodSystem(
-        dofs,
-        rest,
         frames,
+        6 * n_edges + len(joints.pairs) if framed else 0,
         _stretch(loaded, geometry, skeleton, dofs),
         bending,
         twist,
@@ -244,7 +139,7 @@ def natural_density(
     count = int(joints.number[members].max(initial=-1)) + 1
     if len(value) != count:
         raise loaded.error(
-            ("geometry", index, "natural", name),
+            ("geometry", geometry.rod_keys[index], "natural", name),
             f"{len(value)} values for {count} joints; expected one per joint",
         )
     return np.array(value)[joints.number[members]]
@@ -316,7 +211,7 @@ def _in_plane(loaded: LoadedScenario, geometry: Geometry, plan: Plan, directors:
                 out[index] = which, int(np.sign(values[0]))
         if out[index, 1] == 0 and not geometry.properties[index].isotropic:
             raise loaded.error(
-                ("geometry", index, "director"),
+                ("geometry", geometry.rod_keys[index], "director"),
                 "in a planar scene a director must lie in the plane or normal to it",
             )
         if out[index, 1] == 0:
@@ -344,7 +239,10 @@ def _planar(
             natural[members] = sign * density * joints.voronoi[members]
         hidden = f"curvature_{2 - component}"
         if getattr(geometry.rods[index].natural, hidden) is not None:
-            raise loaded.error(("geometry", index, "natural", hidden), "bends out of the plane of the scene")
+            raise loaded.error(
+                ("geometry", geometry.rod_keys[index], "natural", hidden),
+                "bends out of the plane of the scene",
+            )
     parameters = np.stack((natural, stiffness[which, np.arange(len(which))], joints.voronoi))
     return StencilEnergy(
         "bending", BEND_PLANAR, _node_dofs(dofs, joints.triples), parameters, no_auxiliaries(len(natural))

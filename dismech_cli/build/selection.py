@@ -35,7 +35,7 @@ def select_nodes(loaded: LoadedScenario, geometry: Geometry, where: Selection, p
         case GroupSelection(group=name):
             found = _group(loaded, geometry.node_groups, name, path)
         case NodeSelection(nodes=which):
-            found = _numbered(loaded, geometry.rod_nodes[which.of], which, "node", path)
+            found = _numbered(loaded, geometry.body_nodes[which.of], which, "node", path)
         case EdgeSelection(edges=which):
             found = geometry.edges[_numbered(loaded, geometry.rod_edges[which.of], which, "edge", path)]
         case BoxSelection(box=box):

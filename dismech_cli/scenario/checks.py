@@ -7,16 +7,23 @@ from typing import TypeAlias
 
 from .document import KeyPath
 from .force import Buoyancy, Distributed, Gravity, Resistive, Viscous
-from .geometry import Rod
+from .geometry import Body, Shell
 from .motion import Clamp, Twist
 from .numerics import Static
 from .probe import MeanPositionProbe, Probe, StabilityProbe
 from .schema import Scenario
 from .selection import EdgeSelection, GroupSelection, NodeSelection
-from .suggest import hint
+from .suggest import hint, listed
 from .walk import walk
 
 Finding: TypeAlias = tuple[KeyPath, str]
+
+SURFACE_GROUPS = {
+    "sheet": ("left", "right", "bottom", "top", "rim"),
+    "disc": ("center", "rim"),
+    "annulus": ("inner", "outer"),
+    "hemisphere": ("apex", "rim"),
+}
 
 
 def findings(scenario: Scenario) -> Iterator[Finding]:
@@ -33,36 +40,45 @@ def findings(scenario: Scenario) -> Iterator[Finding]:
 
 def _bodies(scenario: Scenario) -> Iterator[Finding]:
     seen: set[str] = set()
-    for i, rod in enumerate(scenario.geometry):
-        if rod.material not in scenario.materials:
-            near = hint(rod.material, scenario.materials)
-            yield ("geometry", i, "material"), f"no material is named {rod.material!r}{near}"
-        if rod.name in seen:
-            yield ("geometry", i, "name"), f"the name {rod.name!r} is taken by another body"
-        seen.add(rod.name)
+    for i, body in enumerate(scenario.geometry):
+        if body.material not in scenario.materials:
+            near = hint(body.material, scenario.materials)
+            yield ("geometry", i, "material"), f"no material is named {body.material!r}{near}"
+        if body.name in seen:
+            yield ("geometry", i, "name"), f"the name {body.name!r} is taken by another body"
+        seen.add(body.name)
 
 
 def _selections(scenario: Scenario) -> Iterator[Finding]:
-    rods = {rod.name: rod for rod in scenario.geometry}
+    bodies = {body.name: body for body in scenario.geometry}
+    rods = [rod.name for rod in scenario.rods.values()]
+    kind = "body" if scenario.shells else "rod"
     for path, value in walk(scenario):
         match value:
             case GroupSelection(group=group):
-                message = _group(group, rods)
+                message = _group(group, bodies, kind)
                 if message:
                     yield (*path, "group"), message
-            case NodeSelection(nodes=part) if part.of not in rods:
-                yield (*path, "nodes", "of"), f"no rod is named {part.of!r}{hint(part.of, rods)}"
+            case NodeSelection(nodes=part) if part.of not in bodies:
+                yield (*path, "nodes", "of"), f"no {kind} is named {part.of!r}{hint(part.of, bodies)}"
             case EdgeSelection(edges=part) if part.of not in rods:
                 yield (*path, "edges", "of"), f"no rod is named {part.of!r}{hint(part.of, rods)}"
 
 
-def _group(group: str, rods: dict[str, Rod]) -> str | None:
+def _group(group: str, bodies: dict[str, Body], kind: str) -> str | None:
     name, dot, part = group.partition(".")
-    if name not in rods:
-        return f"no rod is named {name!r}{hint(name, rods)}"
-    if not dot or rods[name].mesh is not None:
+    if name not in bodies:
+        return f"no {kind} is named {name!r}{hint(name, bodies)}"
+    body = bodies[name]
+    if not dot or body.mesh is not None:
         return None
-    if getattr(rods[name].generate, "closed", False):
+    if isinstance(body, Shell):
+        assert body.generate is not None
+        known = (*SURFACE_GROUPS[body.generate.shape], "boundary")
+        if part in known:
+            return None
+        return f"a generated {body.generate.shape} has the groups {listed(known, 'and')} only, not {part!r}"
+    if getattr(body.generate, "closed", False):
         return f"the closed rod {name!r} has no ends and no group {part!r}"
     if part not in ("start", "end"):
         near = hint(part, ("start", "end"))
@@ -71,7 +87,8 @@ def _group(group: str, rods: dict[str, Rod]) -> str | None:
 
 
 def _rod_names(scenario: Scenario) -> Iterator[Finding]:
-    rods = [rod.name for rod in scenario.geometry]
+    rods = [rod.name for rod in scenario.rods.values()]
+    bodies = [body.name for body in scenario.geometry]
     named: list[Finding] = []
     for i, force in enumerate(scenario.forces):
         if isinstance(force, Distributed | Viscous | Resistive):
@@ -81,8 +98,10 @@ def _rod_names(scenario: Scenario) -> Iterator[Finding]:
         if part.joints is not None and part.joints[1] < part.joints[0]:
             yield ("actuation", i, "joints"), f"a range goes from first to last, got {list(part.joints)}"
     for path, probe in _probes(scenario):
-        if isinstance(probe, MeanPositionProbe):
-            named.append(((*path, "mean_position"), probe.mean_position))
+        if isinstance(probe, MeanPositionProbe) and probe.mean_position not in bodies:
+            kind = "body" if scenario.shells else "rod"
+            near = hint(probe.mean_position, bodies)
+            yield (*path, "mean_position"), f"no {kind} is named {probe.mean_position!r}{near}"
     for path, name in named:
         if name not in rods:
             yield path, f"no rod is named {name!r}{hint(name, rods)}"
@@ -94,7 +113,9 @@ def _dimension(scenario: Scenario) -> Iterator[Finding]:
             yield ("plane",), "only a scene of dimension 2 has a plane"
         return
     planar = "a planar scene has no twist"
-    for i, rod in enumerate(scenario.geometry):
+    for i in scenario.shells:
+        yield ("geometry", i, "type"), "a shell needs a scene of dimension 3"
+    for i, rod in scenario.rods.items():
         if rod.bending == "framed":
             yield ("geometry", i, "bending"), "a planar scene has no frames; take 'auto'"
         if rod.natural.twist is not None:

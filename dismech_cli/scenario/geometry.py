@@ -11,6 +11,7 @@ from .quantity import DirectionTriple, FileName, Name, PositiveLength, Quantity
 from .section import RoundSection, Section
 from .shape import Shape
 from .spec import Spec, exactly_one
+from .surface import Surface
 
 Curvature: TypeAlias = Annotated[float, Quantity("curvature")]
 TwistRate: TypeAlias = Annotated[float, Quantity("twist rate")]
@@ -74,3 +75,52 @@ class Rod(Spec):
             return self.section
         assert self.radius is not None
         return RoundSection(type="round", radius=self.radius)
+
+
+class SurfaceFile(Spec):
+    """A surface read from a mesh file; bodies of one file share the nodes they have in common."""
+
+    file: FileName = Field(description="Mesh file (.msh, .obj, .txt).")
+    group: str | None = Field(
+        default=None, min_length=1, description="Physical group of its triangles; default: all triangles."
+    )
+
+
+class NaturalShape(Spec):
+    """Shape in which a shell is free of bending."""
+
+    shape: Literal["rest", "flat"] = Field(
+        default="rest", description="`flat`: unbent when all its dihedral angles vanish."
+    )
+
+
+class Shell(Spec):
+    """A thin elastic surface; its group `boundary` holds the nodes of its rims."""
+
+    type: Literal["shell"] = Field(description="Kind of body.")
+    name: Name = Field(description="Its name, for selections and results.")
+    material: str = Field(description="Name of its material.")
+    thickness: PositiveLength = Field(description="Thickness.")
+    generate: Surface | None = Field(default=None, description="Surface; this or `mesh`.")
+    mesh: SurfaceFile | None = Field(default=None, description="Surface from a file; this or `generate`.")
+    membrane: Literal["cst", "springs", "family"] = Field(
+        default="cst",
+        description="In-plane stretching: `cst` linear triangles, right for any Poisson ratio and mesh; "
+        "`springs` along edges, cheaper, Poisson ratio 1/3 on equilateral triangles; `family` the springs "
+        "of the DiSMech programs, for comparison with their data.",
+    )
+    bending: Literal["midedge", "hinge", "averaged"] = Field(
+        default="midedge",
+        description="`midedge` a free normal at every edge, converges on every mesh; `hinge` dihedral angles "
+        "and `averaged` normals halfway between faces have no unknowns of their own, but are a plate on "
+        "nearly equilateral triangles only.",
+    )
+    natural: NaturalShape = Field(default=NaturalShape(), description="Shape without bending.")
+
+    @model_validator(mode="after")
+    def _sound(self) -> Shell:
+        exactly_one(self, "generate", "mesh")
+        return self
+
+
+Body: TypeAlias = Annotated[Rod | Shell, Field(discriminator="type")]

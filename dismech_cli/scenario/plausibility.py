@@ -59,7 +59,7 @@ def _materials(scenario: Scenario) -> Iterator[Finding]:
 
 
 def _slenderness(scenario: Scenario) -> Iterator[Finding]:
-    for i, rod in enumerate(scenario.geometry):
+    for i, rod in scenario.rods.items():
         length, thickness = _length(rod), _thickness(rod)
         if length is not None and thickness > STOUTEST * length:
             key = "radius" if rod.radius is not None else "section"

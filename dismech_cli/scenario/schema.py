@@ -10,8 +10,9 @@ from pydantic import Field, Strict
 from .actuation import Actuation
 from .expect import Expectation
 from .force import Force
-from .geometry import Rod
+from .geometry import Body, Rod, Shell
 from .joint import Joint
+from .mass import PointMass
 from .material import Material
 from .motion import InitialVelocity, Motion
 from .numerics import Numerics
@@ -23,7 +24,7 @@ SCHEMA_VERSION: Final = 1
 
 # A name becomes a folder: no separators, no leading dot, no trailing dot, no device names.
 SafeName: TypeAlias = Annotated[str, Field(pattern=r"^[A-Za-z0-9_]([A-Za-z0-9._-]{0,98}[A-Za-z0-9_-])?$")]
-Bodies: TypeAlias = Annotated[tuple[Rod, ...], Len(1, 10_000), Strict(False)]
+Bodies: TypeAlias = Annotated[tuple[Body, ...], Len(1, 10_000), Strict(False)]
 
 
 class Scenario(Spec):
@@ -48,6 +49,9 @@ class Scenario(Spec):
     motions: Annotated[tuple[Motion, ...], Strict(False)] = Field(
         default=(), description="What is held or driven."
     )
+    masses: Annotated[tuple[PointMass, ...], Strict(False)] = Field(
+        default=(), description="Point masses on nodes, beside those of the bodies."
+    )
     forces: Annotated[tuple[Force, ...], Strict(False)] = Field(default=(), description="Loads.")
     actuation: Annotated[tuple[Actuation, ...], Strict(False)] = Field(
         default=(), description="Natural strains that change in time."
@@ -60,3 +64,13 @@ class Scenario(Spec):
     expect: dict[Name, Expectation] = Field(
         default={}, description="Numbers that the run must give, by name."
     )
+
+    @property
+    def rods(self) -> dict[int, Rod]:
+        """The rods by their place in ``geometry``."""
+        return {index: body for index, body in enumerate(self.geometry) if isinstance(body, Rod)}
+
+    @property
+    def shells(self) -> dict[int, Shell]:
+        """The shells by their place in ``geometry``."""
+        return {index: body for index, body in enumerate(self.geometry) if isinstance(body, Shell)}
