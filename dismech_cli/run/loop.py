@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections import deque
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from enum import Enum
 from typing import Protocol
 
@@ -272,11 +272,9 @@ def _checkpoint(loop: _Loop, state: State) -> None:
         "q": state.q,
         "v": state.v,
         "a": state.a,
-        "tangent": state.frames.tangent,
-        "director": state.frames.director,
-        "reference_twist": state.frames.reference_twist,
         "watch.t": np.array(observer.times),
     }
+    arrays |= {f.name: getattr(state.frames, f.name) for f in fields(FrameState)}
     arrays |= {f"watch.{name}": np.array(values) for name, values in observer.watched.items()}
     numbers: dict[str, int | float] = {"t": state.t, "since_frame": loop.since_frame, "wall": loop.wall}
     numbers |= {f"clock.{k}": getattr(loop.clock, k) for k in ("index", "part", "level")}
@@ -286,7 +284,7 @@ def _checkpoint(loop: _Loop, state: State) -> None:
 
 
 def _restore(loop: _Loop, arrays: Arrays, numbers: Mapping[str, int | float]) -> State:
-    frames = FrameState(arrays["tangent"], arrays["director"], arrays["reference_twist"])
+    frames = FrameState(**{f.name: arrays[f.name] for f in fields(FrameState)})
     state = State(float(numbers["t"]), arrays["q"], arrays["v"], arrays["a"], frames)
     loop.clock = Clock(*(int(numbers[f"clock.{k}"]) for k in ("index", "part", "level")))
     for k in vars(loop.counters):

@@ -59,6 +59,7 @@ class Stepper:
         self._settings = settings
         self._wanted = solver
         self._held = np.ones(0, dtype=bool)
+        self._massless = (model.mass == 0.0) & model.mass.any()
         self.system: System
         self.solver: LinearSolver
         self.analyses = 0
@@ -117,9 +118,11 @@ class Stepper:
 
     def _accept(self, stage: Stage, before: State, q: FloatArray) -> State:
         v, a = stage.finish(q)
-        # Held DOFs move on a given path: its difference quotient, free of the integrator's ringing.
-        v[self._held] = (q[self._held] - before.q[self._held]) / (stage.t_end - before.t)
-        a[self._held] = 0.0
+        # Held DOFs move on a given path, massless ones (mid-edge normals) go where balance puts them:
+        # their difference quotient is free of the integrator's ringing.
+        led = self._held | self._massless
+        v[led] = (q[led] - before.q[led]) / (stage.t_end - before.t)
+        a[led] = 0.0
         frames = self.model.frames.transport(before.frames, q).state
         return State(stage.t_end, q, v, a, frames)
 
