@@ -17,12 +17,26 @@ from ..model.dofs import DofMap
 from ..model.laws import Law
 from ..model.mass import nodal_lengths
 from ..model.term import Term
-from ..scenario.force import Buoyancy, Distributed, Gravity, Moment, Point, Resistive, Viscous
+from ..scenario.force import (
+    Aerodynamic,
+    AreaDamping,
+    Buoyancy,
+    Distributed,
+    Gravity,
+    Hydrodynamic,
+    Moment,
+    Point,
+    Pressure,
+    Resistive,
+    Thrust,
+    Viscous,
+)
 from ..scenario.load import LoadedScenario
 from .geometry import Geometry
 from .inertia import nodal_mass, nodal_volume
 from .laws import ToLaw, components, vanishes
 from .selection import select_nodes
+from .shell_forces import shell_drag, shell_load
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,6 +130,10 @@ def build_forces(
                         force.normal,
                     )
                 )
+            case Aerodynamic() | Hydrodynamic() | AreaDamping():
+                dissipative.append(shell_drag(name, force, geometry, dofs))
+            case Pressure() | Thrust():
+                loads.append(shell_load(name, force, geometry, dofs, payload, laws))
     return Forces(tuple(gravitational), tuple(loads), tuple(dissipative))
 
 

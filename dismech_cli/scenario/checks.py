@@ -6,7 +6,18 @@ from collections.abc import Iterator
 from typing import TypeAlias
 
 from .document import KeyPath
-from .force import Buoyancy, Distributed, Gravity, Resistive, Viscous
+from .force import (
+    Aerodynamic,
+    AreaDamping,
+    Buoyancy,
+    Distributed,
+    Gravity,
+    Hydrodynamic,
+    Pressure,
+    Resistive,
+    Thrust,
+    Viscous,
+)
 from .geometry import Body, Shell
 from .motion import Clamp, Twist
 from .numerics import Static
@@ -31,6 +42,7 @@ def findings(scenario: Scenario) -> Iterator[Finding]:
     yield from _bodies(scenario)
     yield from _selections(scenario)
     yield from _rod_names(scenario)
+    yield from _shell_names(scenario)
     yield from _dimension(scenario)
     yield from _time(scenario)
     yield from _forces(scenario)
@@ -93,6 +105,8 @@ def _rod_names(scenario: Scenario) -> Iterator[Finding]:
     for i, force in enumerate(scenario.forces):
         if isinstance(force, Distributed | Viscous | Resistive):
             named += [(("forces", i, "rods", k), name) for k, name in enumerate(force.rods or ())]
+            if force.rods is None and not rods:
+                yield ("forces", i, "type"), "acts on rods, but the scene has none"
     for i, part in enumerate(scenario.actuation):
         named.append((("actuation", i, "rod"), part.rod))
         if part.joints is not None and part.joints[1] < part.joints[0]:
@@ -105,6 +119,21 @@ def _rod_names(scenario: Scenario) -> Iterator[Finding]:
     for path, name in named:
         if name not in rods:
             yield path, f"no rod is named {name!r}{hint(name, rods)}"
+
+
+def _shell_names(scenario: Scenario) -> Iterator[Finding]:
+    shells = [shell.name for shell in scenario.shells.values()]
+    named: list[Finding] = []
+    for i, force in enumerate(scenario.forces):
+        if isinstance(force, Aerodynamic | Hydrodynamic | AreaDamping):
+            named += [(("forces", i, "shells", k), name) for k, name in enumerate(force.shells or ())]
+            if force.shells is None and not shells:
+                yield ("forces", i, "type"), "acts on shells, but the scene has none"
+        if isinstance(force, Pressure | Thrust):
+            named.append((("forces", i, "shell"), force.shell))
+    for path, name in named:
+        if name not in shells:
+            yield path, f"no shell is named {name!r}{hint(name, shells)}"
 
 
 def _dimension(scenario: Scenario) -> Iterator[Finding]:

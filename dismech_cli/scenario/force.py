@@ -7,12 +7,14 @@ from typing import Annotated, Literal, TypeAlias
 from annotated_types import Len
 from pydantic import Field, Strict
 
-from .law import AccelerationLaws, ForceLaws, ForcePerLengthLaws, MomentLaws
-from .quantity import Name, Quantity
+from .law import AccelerationLaws, ForceLaws, ForcePerLengthLaws, MomentLaws, PressureLaw
+from .quantity import DirectionTriple, Name, Quantity
 from .selection import Selection
 from .spec import Spec
 
-RodNames: TypeAlias = Annotated[tuple[Name, ...], Len(1, 10_000), Strict(False)]
+BodyNames: TypeAlias = Annotated[tuple[Name, ...], Len(1, 10_000), Strict(False)]
+Density: TypeAlias = Annotated[float, Quantity("density", gt=0)]
+DampingPerArea: TypeAlias = Annotated[float, Quantity("damping per area", ge=0)]
 Viscosity: TypeAlias = Annotated[float, Quantity("viscosity", ge=0)]
 
 
@@ -27,7 +29,7 @@ class Buoyancy(Spec):
     """Lift of the displaced fluid, against the gravity of the scene."""
 
     type: Literal["buoyancy"] = Field(description="Kind of load.")
-    fluid_density: Annotated[float, Quantity("density", gt=0)] = Field(description="Density of the fluid.")
+    fluid_density: Density = Field(description="Density of the fluid.")
 
 
 class Point(Spec):
@@ -39,7 +41,7 @@ class Point(Spec):
 
 
 class Moment(Spec):
-    """A moment on each selected end or node."""
+    """A moment on each selected end or node of a rod."""
 
     type: Literal["moment"] = Field(description="Kind of load.")
     where: Selection = Field(description="Ends or nodes.")
@@ -50,7 +52,7 @@ class Distributed(Spec):
     """A force per length of the rods."""
 
     type: Literal["distributed"] = Field(description="Kind of load.")
-    rods: RodNames | None = Field(default=None, description="Names of rods; default: all.")
+    rods: BodyNames | None = Field(default=None, description="Names of rods; default: all.")
     force_per_length: ForcePerLengthLaws = Field(description="Force per rest length.")
 
 
@@ -58,7 +60,7 @@ class Viscous(Spec):
     """Drag against every motion: F = -eta l u on a node of velocity u and length l."""
 
     type: Literal["viscous"] = Field(description="Kind of load.")
-    rods: RodNames | None = Field(default=None, description="Names of rods; default: all.")
+    rods: BodyNames | None = Field(default=None, description="Names of rods; default: all.")
     coefficient: Viscosity = Field(description="eta.")
 
 
@@ -66,11 +68,68 @@ class Resistive(Spec):
     """Resistive force theory: different drag along the rod and across it."""
 
     type: Literal["resistive"] = Field(description="Kind of load.")
-    rods: RodNames | None = Field(default=None, description="Names of rods; default: all.")
+    rods: BodyNames | None = Field(default=None, description="Names of rods; default: all.")
     tangential: Viscosity = Field(description="Coefficient along the rod.")
     normal: Viscosity = Field(description="Coefficient across the rod.")
 
 
+class Aerodynamic(Spec):
+    """Quadratic drag along the normals: -(rho c A / 6) |w| w on each corner, w its normal velocity."""
+
+    type: Literal["aerodynamic"] = Field(description="Kind of load.")
+    shells: BodyNames | None = Field(default=None, description="Names of shells; default: all.")
+    fluid_density: Density = Field(description="Density rho of the fluid.")
+    coefficient: Annotated[float, Quantity("ratio", ge=0)] = Field(description="Drag coefficient c.")
+
+
+class Hydrodynamic(Spec):
+    """Linear drag -rho c A u on a node of velocity u and area A, in every direction."""
+
+    type: Literal["hydrodynamic"] = Field(description="Kind of load.")
+    shells: BodyNames | None = Field(default=None, description="Names of shells; default: all.")
+    fluid_density: Density = Field(description="Density rho of the fluid.")
+    coefficient: Annotated[float, Quantity("velocity", ge=0)] = Field(
+        description="c: the speed at which quadratic drag of coefficient 2 would be as large."
+    )
+
+
+class AreaDamping(Spec):
+    """Damping -eta A u on a node of velocity u and area A."""
+
+    type: Literal["area_damping"] = Field(description="Kind of load.")
+    shells: BodyNames | None = Field(default=None, description="Names of shells; default: all.")
+    coefficient: DampingPerArea = Field(description="eta.")
+
+
+class Pressure(Spec):
+    """Pressure on a shell: follows its faces and grows with their area."""
+
+    type: Literal["pressure"] = Field(description="Kind of load.")
+    shell: Name = Field(description="Name of the shell.")
+    pressure: PressureLaw = Field(description="Pressure; positive pushes along the normals.")
+
+
+class Thrust(Spec):
+    """Thrust -k dV/dt of a bell while its volume V shrinks, its opening closed by a fan."""
+
+    type: Literal["thrust"] = Field(description="Kind of load.")
+    shell: Name = Field(description="Name of the shell.")
+    coefficient: DampingPerArea = Field(description="k.")
+    direction: DirectionTriple = Field(description="Direction of the thrust.")
+
+
 Force: TypeAlias = Annotated[
-    Gravity | Buoyancy | Point | Moment | Distributed | Viscous | Resistive, Field(discriminator="type")
+    Gravity
+    | Buoyancy
+    | Point
+    | Moment
+    | Distributed
+    | Viscous
+    | Resistive
+    | Aerodynamic
+    | Hydrodynamic
+    | AreaDamping
+    | Pressure
+    | Thrust,
+    Field(discriminator="type"),
 ]

@@ -1,4 +1,4 @@
-"""How rods hang together."""
+"""How bodies hang together."""
 
 from __future__ import annotations
 
@@ -18,7 +18,10 @@ class RigidJoint(Spec):
 
 
 class HingeJoint(Spec):
-    """Joins two coinciding nodes, or releases one: no bending or twist passes."""
+    """Joins two coinciding nodes, or releases one: no bending or twist passes; the joint of shells.
+
+    Nodes that a shell and another body take from one mesh file are joined so without being asked.
+    """
 
     type: Literal["hinge"] = Field(description="Kind of joint.")
     nodes: SelectionPair | None = Field(default=None, description="The two nodes; this or `where`.")

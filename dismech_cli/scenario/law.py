@@ -230,6 +230,7 @@ LengthLaw: TypeAlias = Annotated[LawSpec, LawOf("length")]
 AngleLaw: TypeAlias = Annotated[LawSpec, LawOf("angle")]
 ForceLaw: TypeAlias = Annotated[LawSpec, LawOf("force")]
 MomentLaw: TypeAlias = Annotated[LawSpec, LawOf("moment")]
+PressureLaw: TypeAlias = Annotated[LawSpec, LawOf("pressure")]
 AccelerationLaw: TypeAlias = Annotated[LawSpec, LawOf("acceleration")]
 ForcePerLengthLaw: TypeAlias = Annotated[LawSpec, LawOf("force per length")]
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from itertools import pairwise
 
 from .checks import Finding
-from .force import Gravity, Resistive, Viscous
+from .force import Aerodynamic, AreaDamping, Gravity, Hydrodynamic, Resistive, Viscous
 from .geometry import Rod
 from .numerics import Static
 from .schema import Scenario
@@ -33,7 +33,8 @@ def doubts(scenario: Scenario) -> Iterator[Finding]:
                     ("forces", i, "acceleration"),
                     f"gravity of {size:g} m/s^2 is stronger than that of the sun",
                 )
-        if isinstance(force, Viscous | Resistive) and isinstance(scenario.numerics.integrator, Static):
+        drag = isinstance(force, Viscous | Resistive | Aerodynamic | Hydrodynamic | AreaDamping)
+        if drag and isinstance(scenario.numerics.integrator, Static):
             yield ("forces", i, "type"), "drag does nothing in a static run"
 
 

@@ -44,7 +44,7 @@ class Scenario(Spec):
     materials: dict[Name, Material] = Field(description="Materials by name.")
     geometry: Bodies = Field(description="Bodies.")
     joints: Annotated[tuple[Joint, ...], Strict(False)] = Field(
-        default=(), description="Joints between rods."
+        default=(), description="Joints between bodies."
     )
     motions: Annotated[tuple[Motion, ...], Strict(False)] = Field(
         default=(), description="What is held or driven."

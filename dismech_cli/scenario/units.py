@@ -70,6 +70,7 @@ KINDS: Final[dict[str, Kind]] = {
     "moment": Kind("a moment", "N*m", Dimension(2, 1, -2), (Dimension(2, 1, -2, -1),)),
     "energy": Kind("an energy", "J", Dimension(2, 1, -2)),
     "bending stiffness": Kind("a bending stiffness", "N*m^2", Dimension(3, 1, -2)),
+    "damping per area": Kind("a damping per area", "N*s/m^3", Dimension(-2, 1, -1)),
     "viscosity": Kind("a viscous coefficient", "N*s/m^2", Dimension(-1, 1, -1)),
 }
 
