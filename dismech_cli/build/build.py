@@ -19,10 +19,10 @@ from ..scenario.load import LoadedScenario
 from ..scenario.motion import VelocityFile
 from ..scenario.numerics import Static
 from ..solve.newton import NewtonSettings
-from .actuation import build_elastic
 from .fields import Scene, build_fields, build_topology
 from .forces import build_forces
 from .geometry import Geometry, assemble_geometry
+from .hinge_actuation import build_shell_elastic
 from .holds import resolve_holds
 from .inertia import mass_matrix, point_masses
 from .laws import dynamic_laws, static_laws
@@ -31,6 +31,7 @@ from .numbering import number_dofs
 from .numerics import build_driver, build_integrator, check_linear_solver
 from .plan import Plan, make_plan
 from .probes import build_probe
+from .rod_actuation import build_rod_elastic
 from .rods import build_rods
 from .selection import select_nodes
 from .shell_edges import find_shell_edges
@@ -81,9 +82,8 @@ def build(
         geometry, numbering, free, rods.frames, rods.auxiliaries, skeleton.positions, driver
     )
     elastic = (
-        *build_elastic(loaded, geometry, plan, skeleton, rods, laws),
-        *shells.membrane.values(),
-        *shells.bending.values(),
+        *build_rod_elastic(loaded, geometry, plan, skeleton, rods, laws),
+        *build_shell_elastic(loaded, geometry, free, shells, laws),
     )
     payload = point_masses(loaded, geometry, dofs.n_nodes)
     forces = build_forces(loaded, geometry, dofs, payload, laws)

@@ -6,7 +6,7 @@ import ast
 import difflib
 import math
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final, TypeAlias
 
@@ -17,7 +17,8 @@ from ..errors import ScenarioError
 from .waves import sawtooth, smoothstep, square, step
 
 Value: TypeAlias = FloatArray | float
-Program: TypeAlias = Callable[[float, Value], Value]
+Values: TypeAlias = Mapping[str, Value]
+Program: TypeAlias = Callable[[Values], Value]
 
 MAX_LENGTH: Final = 1000
 MAX_DEPTH: Final = 100
@@ -82,18 +83,18 @@ class Compiled:
     """An expression ready to be evaluated.
 
     Attributes:
-        program: Closure of ``(t, s)``.
-        variables: Those of :data:`VARIABLES` that occur.
+        program: Closure of the values of the variables.
+        variables: Those that occur.
     """
 
     program: Program
     variables: frozenset[str]
 
 
-def compile_expression(text: str) -> Compiled:
+def compile_expression(text: str, variables: Sequence[str] = VARIABLES) -> Compiled:
     """Parse ``text`` once into closures over NumPy functions.
 
-    The language has numbers, ``t``, ``s``, ``pi``, ``e``, ``+ - * /``, ``**`` with a constant
+    The language has numbers, the names in ``variables``, ``pi``, ``e``, ``+ - * /``, ``**`` with a constant
     exponent of at most 16 in size, and the names of :data:`FUNCTIONS`.
 
     Raises:
@@ -117,17 +118,18 @@ def compile_expression(text: str) -> Compiled:
         ) from None
     except (ValueError, RecursionError, MemoryError):
         raise ExpressionError(1, "not an expression") from None
-    builder = _Builder(indent)
+    builder = _Builder(indent, tuple(variables))
     program = builder.build(tree.body, 0)
-    return Compiled(program, frozenset(builder.variables))
+    return Compiled(program, frozenset(builder.met))
 
 
 class _Builder:
     """Turns syntax nodes into closures and notes the variables met."""
 
-    def __init__(self, indent: int) -> None:
+    def __init__(self, indent: int, known: tuple[str, ...]) -> None:
         self.indent = indent
-        self.variables: set[str] = set()
+        self.known = known
+        self.met: set[str] = set()
 
     def build(self, node: ast.expr, depth: int) -> Program:
         """The closure of one node."""
@@ -142,31 +144,31 @@ class _Builder:
                 return self.build(operand, depth + 1)
             case ast.UnaryOp(op=ast.USub(), operand=operand):
                 inner = self.build(operand, depth + 1)
-                return lambda t, s: -inner(t, s)
+                return lambda at: -inner(at)
             case ast.BinOp(left=base, op=ast.Pow(), right=exponent):
                 return self._power(base, exponent, depth)
             case ast.BinOp(left=left, op=op, right=right) if type(op) in _BINARY:
                 f, a, b = _BINARY[type(op)], self.build(left, depth + 1), self.build(right, depth + 1)
-                return lambda t, s: f(a(t, s), b(t, s))
+                return lambda at: f(a(at), b(at))
             case ast.BinOp(op=ast.BitXor(), right=right):
                 raise self._error(right, "'^' is not an operator here; write ** for a power")
             case ast.Call(func=ast.Name(id=name), args=args, keywords=[]):
                 return self._call(node, name, args, depth)
             case _:
-                raise self._error(node, "only arithmetic on numbers, t and s is understood here")
+                *names, last = ("numbers", *self.known)
+                raise self._error(
+                    node, f"only arithmetic on {', '.join(names)} and {last} is understood here"
+                )
 
     def _name(self, node: ast.expr, name: str) -> Program:
         if name in CONSTANTS:
             return _constant(CONSTANTS[name])
-        if name == "t":
-            self.variables.add(name)
-            return lambda t, s: t
-        if name == "s":
-            self.variables.add(name)
-            return lambda t, s: s
+        if name in self.known:
+            self.met.add(name)
+            return lambda at: at[name]
         if name in FUNCTIONS:
             raise self._error(node, f"{name} is a function: write {name}(...)")
-        raise self._error(node, f"unknown name {name!r}{_hint(name, [*VARIABLES, *CONSTANTS, *FUNCTIONS])}")
+        raise self._error(node, f"unknown name {name!r}{_hint(name, [*self.known, *CONSTANTS, *FUNCTIONS])}")
 
     def _call(self, node: ast.expr, name: str, args: list[ast.expr], depth: int) -> Program:
         if name not in FUNCTIONS:
@@ -178,8 +180,8 @@ class _Builder:
         parts = [self.build(arg, depth + 1) for arg in args]
         if len(parts) == 1:
             (only,) = parts
-            return lambda t, s: f(only(t, s))
-        return lambda t, s: f(*(part(t, s) for part in parts))
+            return lambda at: f(only(at))
+        return lambda at: f(*(part(at) for part in parts))
 
     def _power(self, base: ast.expr, exponent: ast.expr, depth: int) -> Program:
         operand, sign = exponent, 1.0
@@ -191,7 +193,7 @@ class _Builder:
         if abs(power) > MAX_POWER:
             raise self._error(exponent, f"an exponent may be at most {MAX_POWER} in size")
         inner = self.build(base, depth + 1)
-        return lambda t, s: np.power(np.asarray(inner(t, s), dtype=np.float64), power)
+        return lambda at: np.power(np.asarray(inner(at), dtype=np.float64), power)
 
     def _number(self, node: ast.expr, value: object) -> float:
         if isinstance(value, bool) or not isinstance(value, int | float):
@@ -205,7 +207,7 @@ class _Builder:
 
 
 def _constant(value: float) -> Program:
-    return lambda t, s: value
+    return lambda at: value
 
 
 def _hint(name: str, known: list[str]) -> str:

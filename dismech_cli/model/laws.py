@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal, Protocol, TypeAlias
 
@@ -10,7 +10,7 @@ import numpy as np
 
 from ..arrays import FloatArray
 from ..errors import ScenarioError
-from .expression import Compiled, compile_expression
+from .expression import VARIABLES, Compiled, compile_expression
 from .waves import sawtooth
 
 Value: TypeAlias = FloatArray | float
@@ -201,19 +201,24 @@ class Sawtooth:
 class Expression:
     """Arithmetic text of ``t`` and ``s``, see :func:`.expression.compile_expression`.
 
+    Attributes:
+        text: The text.
+        places: More variables, each an array of the shape of ``s``: where the value is asked for.
+
     Raises:
         ExpressionError: if the text is not arithmetic.
     """
 
     text: str
+    places: Mapping[str, FloatArray] = field(default_factory=dict, repr=False)
     _compiled: Compiled = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "_compiled", compile_expression(self.text))
+        object.__setattr__(self, "_compiled", compile_expression(self.text, (*VARIABLES, *self.places)))
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickled by its text: closures cannot be."""
-        return Expression, (self.text,)
+        return Expression, (self.text, self.places)
 
     @property
     def constant(self) -> bool:
@@ -231,7 +236,7 @@ class Expression:
             ScenarioError: if it is not finite there, such as ``log(t)`` at 0.
         """
         with np.errstate(all="ignore"):
-            value = _spread(self._compiled.program(t, s), s)
+            value = _spread(self._compiled.program({"t": t, "s": s, **self.places}), s)
         if not np.all(np.isfinite(value)):
             raise ScenarioError(f"the expression {self.text!r} has no finite value at t = {t:g} s")
         return value

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Literal, TypeAlias
 
 from pydantic import Field
 
-from .law import LawOf, LawSpec
-from .quantity import Name
-from .selection import IndexRange
+from .law import PLACES, LawOf, LawSpec
+from .quantity import DirectionTriple, LengthTriple, Name, Quantity
+from .selection import IndexRange, Selection
 from .spec import Spec
 
 _ALONG = ("t", "s")
@@ -46,6 +47,33 @@ class TwistActuation(Spec):
     value: Annotated[LawSpec, LawOf("twist rate", _ALONG)] = Field(description="Added twist per length.")
 
 
-Actuation: TypeAlias = Annotated[
-    StretchActuation | CurvatureActuation | TwistActuation, Field(discriminator="type")
-]
+class Tangential(Spec):
+    """Hinges across the lines to a point, such as the rings of a bell around its apex."""
+
+    apex: LengthTriple = Field(description="The point.")
+    min_angle: Annotated[float, Quantity("angle", ge=0, le=math.pi / 2)] = Field(
+        description="Least angle between the edge of a hinge and the line from its middle to the point."
+    )
+
+
+class DihedralActuation(Spec):
+    """Adds to the natural dihedral angle of hinges: the edges between two triangles of a shell."""
+
+    type: Literal["dihedral"] = Field(description="Kind of strain.")
+    shell: Name = Field(description="Name of the shell.")
+    hinges: Selection | None = Field(
+        default=None, description="Nodes: a hinge with both ends among them is driven; default: all."
+    )
+    tangential: Tangential | None = Field(default=None, description="Leaves only some of them.")
+    order_by: DirectionTriple | None = Field(
+        default=None,
+        description="Direction along which s counts the driven hinges from 0 to 1; default: as numbered.",
+    )
+    value: Annotated[LawSpec, LawOf("angle", (*_ALONG, *PLACES))] = Field(
+        description="Added angle between the two triangles; positive folds them toward the side of their "
+        "normals."
+    )
+
+
+RodActuation: TypeAlias = StretchActuation | CurvatureActuation | TwistActuation
+Actuation: TypeAlias = Annotated[RodActuation | DihedralActuation, Field(discriminator="type")]

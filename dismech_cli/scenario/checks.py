@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TypeAlias
 
+from .actuation import DihedralActuation
 from .document import KeyPath
 from .force import (
     Aerodynamic,
@@ -108,6 +109,8 @@ def _rod_names(scenario: Scenario) -> Iterator[Finding]:
             if force.rods is None and not rods:
                 yield ("forces", i, "type"), "acts on rods, but the scene has none"
     for i, part in enumerate(scenario.actuation):
+        if isinstance(part, DihedralActuation):
+            continue
         named.append((("actuation", i, "rod"), part.rod))
         if part.joints is not None and part.joints[1] < part.joints[0]:
             yield ("actuation", i, "joints"), f"a range goes from first to last, got {list(part.joints)}"
@@ -131,6 +134,9 @@ def _shell_names(scenario: Scenario) -> Iterator[Finding]:
                 yield ("forces", i, "type"), "acts on shells, but the scene has none"
         if isinstance(force, Pressure | Thrust):
             named.append((("forces", i, "shell"), force.shell))
+    for i, part in enumerate(scenario.actuation):
+        if isinstance(part, DihedralActuation):
+            named.append((("actuation", i, "shell"), part.shell))
     for path, name in named:
         if name not in shells:
             yield path, f"no shell is named {name!r}{hint(name, shells)}"

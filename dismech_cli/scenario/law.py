@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from contextvars import ContextVar
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
-from typing import Annotated, Any, Literal, TypeAlias
+from types import MappingProxyType
+from typing import Annotated, Any, Final, Literal, TypeAlias
 
 from annotated_types import Len
 from pydantic import (
@@ -21,14 +23,18 @@ from pydantic import (
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema, core_schema
 
+from ..arrays import FloatArray
 from ..model import laws
-from ..model.expression import ExpressionError, compile_expression
+from ..model.expression import VARIABLES, ExpressionError, compile_expression
 from .csv_table import read_columns
 from .document import describe
 from .quantity import Angle, Column, FileName, Frequency, Quantity, Time, to_si
 from .spec import Spec, problem, tag, told_by_key
 from .suggest import listed
 from .units import KINDS
+
+PLACES: Final = ("x", "y", "z", "r")
+"""Variables of laws that act on the hinges of a shell: where the middle of the hinge is at rest [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,7 +43,7 @@ class LawOf:
 
     Attributes:
         name: Key of :data:`.units.KINDS`.
-        variables: Those that an expression may use: ``t``, and ``s`` along a rod.
+        variables: Those that an expression may use: ``t``, ``s`` along a rod, :data:`PLACES` on shells.
     """
 
     name: str
@@ -199,7 +205,8 @@ class SawtoothLaw(Spec):
 
 class ExpressionLaw(Spec):
     """Arithmetic in SI units: numbers, t, pi, e, + - * / **, sin cos tan tanh exp log sqrt abs min
-    max clip floor sawtooth square step smoothstep; under `actuation` also s, 0 to 1 along the rod."""  # noqa: D205, D209
+    max clip floor sawtooth square step smoothstep; under `actuation` also s, 0 to 1 along the rod or
+    through the hinges, and for hinges x, y, z and r = sqrt(x^2 + y^2) of their middle at rest."""  # noqa: D205, D209
 
     expression: str = Field(description="The text.")
 
@@ -207,12 +214,13 @@ class ExpressionLaw(Spec):
     @classmethod
     def _parses(cls, text: str) -> str:
         try:
-            compiled = compile_expression(text)
+            compiled = compile_expression(text, (*VARIABLES, *PLACES))
         except ExpressionError as error:
             raise problem(f"{error.reason} (at column {error.column} of the expression)") from None
         foreign = sorted(compiled.variables.difference(_FIELD.get(_PLAIN).variables))
         if foreign:
-            raise problem(f"{listed(foreign)} has a meaning under actuation only")
+            where = "dihedral actuation" if set(foreign).intersection(PLACES) else "actuation"
+            raise problem(f"{listed(foreign)} has a meaning under {where} only")
         return text
 
 
@@ -241,12 +249,15 @@ AccelerationLaws: TypeAlias = Annotated[tuple[AccelerationLaw, ...], Len(3, 3), 
 ForcePerLengthLaws: TypeAlias = Annotated[tuple[ForcePerLengthLaw, ...], Len(3, 3), Strict(False)]
 
 
-def to_law(spec: LawSpec, directory: Path) -> laws.Law:
+def to_law(
+    spec: LawSpec, directory: Path, places: Mapping[str, FloatArray] = MappingProxyType({})
+) -> laws.Law:
     """The runtime law of a scenario law.
 
     Args:
         spec: As validated, in SI units.
         directory: Folder of the scenario, where names of table files start.
+        places: Values of the variables of :data:`PLACES`, where the law may use them.
 
     Raises:
         ScenarioError: if a table file cannot be used.
@@ -263,7 +274,7 @@ def to_law(spec: LawSpec, directory: Path) -> laws.Law:
                 amplitude=w.amplitude, frequency=w.frequency, phase=w.phase, offset=w.offset, width=w.width
             )
         case ExpressionLaw(expression=text):
-            return laws.Expression(text)
+            return laws.Expression(text, places)
         case number:
             return laws.Constant(float(number))
 

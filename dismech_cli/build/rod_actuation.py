@@ -1,4 +1,4 @@
-"""Actuation of the scenario as drives of natural strains."""
+"""Actuation of rods as drives of natural strains."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import numpy as np
 
 from ..model.driven import Drive, DrivenEnergy
 from ..model.stencil import StencilEnergy
+from ..scenario.actuation import DihedralActuation
 from ..scenario.load import LoadedScenario
 from .geometry import Geometry
 from .laws import ToLaw
@@ -16,7 +17,7 @@ from .skeleton import Skeleton
 ROWS = {"curvature_1": 0, "curvature_2": 1, "twist": 0}
 
 
-def build_elastic(
+def build_rod_elastic(
     loaded: LoadedScenario, geometry: Geometry, plan: Plan, skeleton: Skeleton, rods: RodSystem, laws: ToLaw
 ) -> tuple[StencilEnergy | DrivenEnergy, ...]:
     """The elastic energies of the rods, driven where the scenario actuates them.
@@ -26,6 +27,8 @@ def build_elastic(
     """
     drives: dict[str, list[Drive]] = {"stretch": [], "bending": [], "twist": []}
     for index, actuation in enumerate(loaded.scenario.actuation):
+        if isinstance(actuation, DihedralActuation):
+            continue
         rod = [r.name for r in geometry.rods].index(actuation.rod)
         law = laws(actuation.value)
         path = ("actuation", index)
