@@ -152,7 +152,7 @@ def check_kills(nursery: Nursery, folder: Path, straight: Path, trials: int) -> 
         done = nursery.call(folder, "resume", run_dir.name, "--progress", "none")
         assert done.code == 0, done.stderr
         assert_same_run(run_dir, straight)
-    assert len(counts) > trials // 2, "the kills must fall at different moments"
+    assert len(counts) > min(trials // 2, 10), "the kills must fall at different moments"
 
 
 def test_kill_loses_no_finished_frame_and_resumes(nursery, swing, straight):
