@@ -194,7 +194,7 @@ def _advance(loop: _Loop, state: State, limits: Limits, stop: StopRequest) -> Ou
             loop.sink.event("step_cut", now, dt=target - now, status=result.status.name)
             continue
         after = replace(result.state, t=target)
-        loop.account.advance(state, after, result.residual, loop.stepper.held)
+        loop.account.advance(state, after, loop.stepper.held)
         state = after
         loop.clock = loop.clock.succeeded()
         loop.counters.steps += 1

@@ -108,6 +108,11 @@ class Stepper:
                     start, result.status, iterations, result.residual_norm, result.residual, result.worst
                 )
             latest = self._accept(stage, latest, result.q)
+        # What holds a mass also moves it, along its path and not as the integrator would have it.
+        held = self._held
+        wanted = (latest.v - start.v)[held] / dt
+        inertia = self.model.mass[held] * (wanted - stage.acceleration(result.q)[held])
+        result.residual[held] += inertia
         return StepResult(latest, Status.CONVERGED, iterations, result.residual_norm, result.residual, -1)
 
     def negative_eigenvalues(self, state: State) -> int:
