@@ -118,7 +118,7 @@ def _numbers(geometry: Geometry, triples: IntArray, rod: IntArray) -> IntArray:
     number = np.zeros(len(triples), dtype=np.int64)
     for index, one in enumerate(geometry.rods):
         members = np.flatnonzero(rod == index)
-        place = np.full(int(triples.max(initial=0)) + 1, -1)
+        place = np.full(len(geometry.nodes), -1)
         count = 0
         for chain in chains(len(geometry.nodes), geometry.edges[geometry.rod_edges[one.name]]):
             inner = chain.nodes[1:-1] if chain.kind.value == "open" else chain.nodes
