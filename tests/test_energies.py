@@ -164,7 +164,7 @@ def test_bending_kernels_by_complex_step(kernel: Kernel, e: FloatArray, f: Float
     p = {
         "bend_planar": [0.4, 1.7, 0.9],
         "bend_isotropic": [1.7, 0.9],
-        "bend_framed": [0.4, -0.2, 1.7, 0.6, 0.9, 1.0, -1.0],
+        "bend_framed": [0.4, -0.2, 1.7, 0.6, 0.9, 1.0, -1.0, np.cos(0.3), np.sin(0.3)],
     }
     _assert_kernel(kernel, y, np.array(directors), np.array(p[kernel.function.__name__]), 2 * d)
 
