@@ -108,10 +108,13 @@ class BandedSolver:
         self._pattern = pattern
         u = self._width = pattern.bandwidth
         rows, columns, m = pattern.rows, pattern.indices, pattern.m
-        # Fortran storage: entry (i, j) at [u + i - j, j] of a (u + 1, m) array, flat index below.
+        # Fortran storage: entry (i, j), j >= i, of the pattern is entry (j, i) of the lower triangle at
+        # [j - i, i] of a (u + 1, m) array: in the order of the pattern, and twice as fast to factorise
+        # as the upper triangle.
         if pattern.symmetric:
-            self._upper = np.zeros((u + 1) * m)
-            self._upper_place = columns * (u + 1) + (u + rows - columns)
+            self._lower = np.zeros((u + 1) * m)
+            self._band = self._lower.reshape(u + 1, m, order="F")
+            self._lower_place = rows * (u + 1) + (columns - rows)
         height = 3 * u + 1
         self._full_place = columns * height + (2 * u + rows - columns)
         self._full_transposed = rows * height + (2 * u + columns - rows)
@@ -123,9 +126,8 @@ class BandedSolver:
 
         p = self._pattern
         if p.symmetric:
-            self._upper[self._upper_place] = values[: p.nnz]
-            band = self._upper.reshape(self._width + 1, p.m, order="F")
-            factor, info = dpbtrf(band)
+            self._lower[self._lower_place] = values[: p.nnz]
+            factor, info = dpbtrf(self._band, lower=1)
             if info == 0:
                 self._cholesky, self._lu = factor, None
                 return
@@ -154,7 +156,7 @@ class BandedSolver:
 
         x: FloatArray
         if self._lu is None:
-            x = dpbtrs(self._cholesky, rhs)[0]
+            x = dpbtrs(self._cholesky, rhs, lower=1)[0]
         else:
             x = dgbtrs(self._lu, self._width, self._width, rhs, self._pivots)[0]
         return x
@@ -165,7 +167,7 @@ class BandedSolver:
         p, u = self._pattern, self._width
         y: FloatArray
         if p.symmetric:
-            y = dsbmv(u, 1.0, self._upper.reshape(u + 1, p.m, order="F"), x)
+            y = dsbmv(u, 1.0, self._band, x, lower=1)
         else:
             assert self._full is not None
             y = dgbmv(p.m, p.m, u, u, 1.0, self._full.reshape(3 * u + 1, p.m, order="F")[u:], x)

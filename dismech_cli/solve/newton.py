@@ -7,8 +7,8 @@ and above the round-off of positions.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
+from math import isfinite, sqrt
 
 import numpy as np
 
@@ -97,20 +97,19 @@ def _full_steps(
 ) -> NewtonResult:
     q = guess.copy()
     free = system.pattern.free
-    at_node = free < system.model.dofs.n_positions
-    far = _RUNAWAY * system.extent
     floor, settled = 0.0, False
     for iterations in range(min(settings.max_iterations, _FULL_STEPS) + 1):
         now = system.linearize(stage, q, stored)
         if iterations == 0:
             floor = system.round_off(now.values, q)
         rhs = -now.residual[free]
-        if not np.isfinite(floor + float(rhs @ rhs)):
+        size = _size(rhs, system)
+        if not isfinite(floor + sum(size)):
             return _failed(q, now.residual, free, Status.NOT_FINITE, iterations)
         # One step more from where rounding of stiff axial forces hides the rest: soft directions,
         # whose forces are far smaller, are solved by it too.
-        at_floor = _small(now, system, settings.tolerance, floor)
-        if at_floor and (settled or _small(now, system, settings.tolerance, 0.0)):
+        at_floor = _small(size, now, system, settings.tolerance, floor)
+        if at_floor and (settled or _small(size, now, system, settings.tolerance, 0.0)):
             return _done(q, now.residual, free, iterations)
         settled = at_floor
         try:
@@ -118,9 +117,9 @@ def _full_steps(
             step = solver.solve(rhs)
         except FactorizationError:
             return _failed(q, now.residual, free, Status.FACTORIZATION_FAILED, iterations)
-        moved = float(np.abs(step[at_node]).max(initial=0.0))
-        if not moved <= far:
-            status = Status.FACTORIZATION_FAILED if np.isfinite(moved) else Status.NOT_FINITE
+        moved, _ = _size(step, system)
+        if not moved <= _RUNAWAY * system.extent:
+            status = Status.FACTORIZATION_FAILED if isfinite(moved) else Status.NOT_FINITE
             return _failed(q, now.residual, free, status, iterations + 1)
         q[free] += step
     return _failed(q, now.residual, free, Status.MAX_ITERATIONS, iterations)
@@ -140,20 +139,20 @@ def _line_search(
     """
     q = guess.copy()
     free = system.pattern.free
-    at_node = free < system.model.dofs.n_positions
     iterations, shift, floor = 0, 0.0, 0.0
     for _ in range(settings.max_iterations):
         now = system.linearize(stage, q, stored)
         if iterations == 0:
             floor = system.round_off(now.values, q)
         gradient = now.residual[free]
-        if not np.isfinite(floor + float(gradient @ gradient)):
+        size = _size(gradient, system)
+        if not isfinite(floor + sum(size)):
             return _failed(q, now.residual, free, Status.NOT_FINITE, iterations)
-        if _small(now, system, settings.tolerance, floor):
+        if _small(size, now, system, settings.tolerance, floor):
             return _done(q, now.residual, free, iterations)
         step, shift, solves = _descent(system, solver, now.values, gradient, shift)
         iterations += solves
-        if step is None or not np.abs(step[at_node]).max(initial=0.0) <= _RUNAWAY * system.extent:
+        if step is None or not _size(step, system)[0] <= _RUNAWAY * system.extent:
             return _failed(q, now.residual, free, Status.FACTORIZATION_FAILED, iterations)
         length = _backtrack(system, stage, q, stored, step, gradient)
         if length == 0.0:
@@ -205,15 +204,20 @@ def _backtrack(
     return 0.0
 
 
-def _small(now: Linearized, system: System, tolerance: float, floor: float) -> bool:
-    """Whether the free residual is small against the model's forces, or within ``floor`` [N]."""
-    forces, moments = now.residual[system.free_positions], now.residual[system.free_angles]
+def _size(x: FloatArray, system: System) -> tuple[float, float]:
+    """Euclidean norms of the entries at positions and at angles of a vector in matrix order."""
+    squares = x * x
+    return sqrt(squares @ system.at_node), sqrt(squares @ system.at_angle)
+
+
+def _small(
+    size: tuple[float, float], now: Linearized, system: System, tolerance: float, floor: float
+) -> bool:
+    """Whether a free residual of this size is small against the model's forces, or within ``floor`` [N]."""
+    force, moment = size
     length = system.model.length
-    moment = max(now.moment, now.force * length)
-    return bool(
-        math.sqrt(forces @ forces) <= tolerance * now.force + floor
-        and math.sqrt(moments @ moments) <= tolerance * moment + floor * length
-    )
+    largest = max(now.moment, now.force * length)
+    return force <= tolerance * now.force + floor and moment <= tolerance * largest + floor * length
 
 
 def _done(q: FloatArray, residual: FloatArray, free: IntArray, iterations: int) -> NewtonResult:

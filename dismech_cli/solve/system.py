@@ -12,7 +12,7 @@ from ..model.configuration import Configuration
 from ..model.frames import FrameState
 from ..model.model import Model
 from ..model.term import BoundEnergy, BoundTerm, Linearization
-from .integrators import Stage
+from .integrators import Stage, Weights
 from .pattern import SparsityPattern
 
 _EPS = float(np.finfo(np.float64).eps)
@@ -36,7 +36,15 @@ class Linearized:
 
 
 class System:
-    """All terms bound to one pattern, with the buffers of assembly."""
+    """All terms bound to one pattern, with the buffers of assembly.
+
+    Attributes:
+        model: The semi-discrete system.
+        pattern: Its free DOFs and the places of the tangent.
+        at_node: 1 for free positions and 0 for angles, in matrix order, shape (m,).
+        at_angle: The opposite.
+        extent: Size of the rest shape [m].
+    """
 
     def __init__(self, model: Model, free: BoolArray) -> None:
         self.model = model
@@ -56,8 +64,10 @@ class System:
         self._split = model.dofs.n_positions
         at_node = self.pattern.free < self._split
         self._position_slots = self.pattern.diagonal[at_node]
-        self.free_positions = self.pattern.free[at_node]
-        self.free_angles = self.pattern.free[~at_node]
+        self.at_node = at_node.astype(np.float64)
+        self.at_angle = 1.0 - self.at_node
+        self._inertia = np.zeros(self.pattern.slots)
+        self._inertia_slope = 0.0
         self.extent = float(np.ptp(model.dofs.positions(model.rest), axis=0).max())
 
     @property
@@ -80,7 +90,7 @@ class System:
         c = self.configuration(stage, q, stored)
         into, w = self._buffers, stage.weights
         into.residual[:] = 0.0
-        into.stiffness[:] = 0.0
+        into.stiffness[:] = self._tangent_of_inertia(w)
         forces, moments = into.residual[: self._split], into.residual[self._split :]
         # squares of norms: a partial sum is as large as the forces that will cancel in the whole
         force = moment = 0.0
@@ -105,8 +115,14 @@ class System:
             head, tail = inertia[: self._split], inertia[self._split :]
             force, moment = max(force, _square(head)), max(moment, _square(tail))
             into.residual += inertia
-            values[self.pattern.diagonal] += w.a * self._free_mass
         return Linearized(into.residual, values, sqrt(force), sqrt(moment))
+
+    def _tangent_of_inertia(self, w: Weights) -> FloatArray:
+        """Tangent values of the inertia before they are multiplied by the weight of positions."""
+        if self._inertia_slope != w.a / w.q:
+            self._inertia_slope = w.a / w.q
+            self._inertia[self.pattern.diagonal] = self._inertia_slope * self._free_mass
+        return self._inertia
 
     def potential(self, stage: Stage, q: FloatArray, stored: FrameState) -> tuple[float, FloatArray]:
         """Energy [J] of all potential terms at the stage, and the rest of the residual (n,).
