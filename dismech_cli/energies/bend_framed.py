@@ -52,19 +52,22 @@ def bend_framed(y: Any, a: Any, p: Any) -> Any:
         combine(w1, n1e, w2, n2e),
         combine(w1, n1f, w2, n2f),
     )
-    x1, x2, z1, z2 = scale(s1, e1), scale(s2, e2), scale(s1, f1), scale(s2, f2)
+    # the rank-one parts s x x^T from vectors scaled by the root of the stiffness
+    h1, h2 = s1**0.5, s2**0.5
+    x1, x2, z1, z2 = scale(h1, e1), scale(h2, e2), scale(h1, f1), scale(h2, f2)
+    c1, c2, d1, d2 = h1 * a1, h2 * a2, h1 * b1, h2 * b2
     hessian = pack_edges_and_angles(
-        combine_symmetric(1.0, ee, 1.0, combine_symmetric(s1, self_outer(e1), s2, self_outer(e2))),
-        combine_symmetric(1.0, ff, 1.0, combine_symmetric(s1, self_outer(f1), s2, self_outer(f2))),
-        combine_block(1.0, ef, 1.0, combine_block(1.0, outer(x1, f1), 1.0, outer(x2, f2))),
-        scale(se, add(ate, combine(a1, x1, a2, x2))),
-        scale(sf, add(atf, combine(b1, x1, b2, x2))),
-        scale(se, add(bte, combine(a1, z1, a2, z2))),
-        scale(sf, add(btf, combine(b1, z1, b2, z2))),
+        combine_symmetric(1.0, ee, 1.0, combine_symmetric(1.0, self_outer(x1), 1.0, self_outer(x2))),
+        combine_symmetric(1.0, ff, 1.0, combine_symmetric(1.0, self_outer(z1), 1.0, self_outer(z2))),
+        combine_block(1.0, ef, 1.0, combine_block(1.0, outer(x1, z1), 1.0, outer(x2, z2))),
+        scale(se, add(ate, combine(c1, x1, c2, x2))),
+        scale(sf, add(atf, combine(d1, x1, d2, x2))),
+        scale(se, add(bte, combine(c1, z1, c2, z2))),
+        scale(sf, add(btf, combine(d1, z1, d2, z2))),
         (
-            tee + s1 * a1 * a1 + s2 * a2 * a2,
-            se * sf * (s1 * a1 * b1 + s2 * a2 * b2),
-            tff + s1 * b1 * b1 + s2 * b2 * b2,
+            tee + c1 * c1 + c2 * c2,
+            se * sf * (c1 * d1 + c2 * d2),
+            tff + d1 * d1 + d2 * d2,
         ),
     )
     ge, gf = combine(w1, e1, w2, e2), combine(w1, f1, w2, f2)

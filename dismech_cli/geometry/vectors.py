@@ -16,6 +16,28 @@ from .kernel import operation
 Vector = Any
 Block = Any
 
+# Rows (i, j) of a packed symmetric block, and the cyclic successors of the components.
+_ROW, _COLUMN = np.array([0, 0, 0, 1, 1, 2]), np.array([0, 1, 2, 1, 2, 2])
+_NEXT, _LAST = np.array([1, 2, 0]), np.array([2, 0, 1])
+
+
+def _combine(s: Any, a: Any, r: Any, b: Any) -> Any:
+    """Weighted sum of two arrays; factors of one, common in kernels, cost nothing."""
+    first = a if type(s) is float and s == 1.0 else s * a
+    if type(r) is float and r == 1.0:
+        return first + b
+    out = r * b
+    out += first
+    return out
+
+
+def _dot(a: Any, b: Any) -> Any:
+    products = a * b
+    out = products[0]
+    out += products[1]
+    out += products[2]
+    return out
+
 
 @operation(lambda a, b: a + b)
 def add(a: Vector, b: Vector) -> Vector:
@@ -35,26 +57,24 @@ def scale(s: Any, a: Vector) -> Vector:
     return (s * a[0], s * a[1], s * a[2])
 
 
-@operation(lambda s, a, r, b: s * a + r * b)
+@operation(_combine)
 def combine(s: Any, a: Vector, r: Any, b: Vector) -> Vector:
     """Return s a + r b."""
     return (s * a[0] + r * b[0], s * a[1] + r * b[1], s * a[2] + r * b[2])
 
 
-@operation(lambda a, b: np.einsum("in,in->n", a, b))
+@operation(_dot)
 def dot(a: Vector, b: Vector) -> Any:
     """Return a . b."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 def _cross(a: Any, b: Any) -> Any:
-    out = np.empty(a.shape)
-    np.multiply(a[1], b[2], out=out[0])
-    np.multiply(a[2], b[0], out=out[1])
-    np.multiply(a[0], b[1], out=out[2])
-    out[0] -= a[2] * b[1]
-    out[1] -= a[0] * b[2]
-    out[2] -= a[1] * b[0]
+    out = a.take(_NEXT, axis=0)
+    out *= b.take(_LAST, axis=0)
+    back = a.take(_LAST, axis=0)
+    back *= b.take(_NEXT, axis=0)
+    out -= back
     return out
 
 
@@ -64,7 +84,7 @@ def cross(a: Vector, b: Vector) -> Vector:
     return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
 
 
-@operation(lambda a: np.sqrt(np.einsum("in,in->n", a, a)))
+@operation(lambda a: np.sqrt(_dot(a, a)))
 def norm(a: Vector) -> Any:
     """Return |a|."""
     return np.sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2])
@@ -81,10 +101,8 @@ def outer(a: Vector, b: Vector) -> Block:
 
 
 def _self_outer(a: Any) -> Any:
-    out = np.empty((6, a.shape[1]))
-    np.multiply(a[0], a, out=out[:3])
-    np.multiply(a[1], a[1:], out=out[3:5])
-    np.multiply(a[2], a[2], out=out[5])
+    out = a.take(_ROW, axis=0)
+    out *= a.take(_COLUMN, axis=0)
     return out
 
 
@@ -95,13 +113,11 @@ def self_outer(a: Vector) -> Block:
 
 
 def _sym_outer(a: Any, b: Any) -> Any:
-    out = np.empty((6, a.shape[1]))
-    np.multiply(a[0], b, out=out[:3])
-    np.multiply(a[1], b[1:], out=out[3:5])
-    np.multiply(a[2], b[2], out=out[5])
-    out[:3] += b[0] * a
-    out[3:5] += b[1] * a[1:]
-    out[5] += b[2] * a[2]
+    out = a.take(_ROW, axis=0)
+    out *= b.take(_COLUMN, axis=0)
+    other = a.take(_COLUMN, axis=0)
+    other *= b.take(_ROW, axis=0)
+    out += other
     return out
 
 
@@ -124,7 +140,7 @@ def scale_symmetric(s: Any, a: Block) -> Block:
     return (s * a[0], s * a[1], s * a[2], s * a[3], s * a[4], s * a[5])
 
 
-@operation(lambda s, a, r, b: s * a + r * b)
+@operation(_combine)
 def combine_symmetric(s: Any, a: Block, r: Any, b: Block) -> Block:
     """Return s a + r b of packed symmetric blocks."""
     return (
@@ -133,7 +149,7 @@ def combine_symmetric(s: Any, a: Block, r: Any, b: Block) -> Block:
     )  # fmt: skip
 
 
-@operation(lambda s, a, r, b: s * a + r * b)
+@operation(_combine)
 def combine_block(s: Any, a: Block, r: Any, b: Block) -> Block:
     """Return s a + r b of general blocks."""
     return (
@@ -144,7 +160,7 @@ def combine_block(s: Any, a: Block, r: Any, b: Block) -> Block:
 
 
 def _expand(a: Any) -> Any:
-    return a[[0, 1, 2, 1, 3, 4, 2, 4, 5]]
+    return a.take([0, 1, 2, 1, 3, 4, 2, 4, 5], axis=0)
 
 
 @operation(_expand)
@@ -155,7 +171,9 @@ def expand(a: Block) -> Block:
 
 def _add_identity(s: Any, a: Any) -> Any:
     out = a.copy()
-    out[[0, 3, 5]] += s
+    out[0] += s
+    out[3] += s
+    out[5] += s
     return out
 
 

@@ -101,9 +101,9 @@ def _load(name: str, text: str) -> ModuleType:
     return module
 
 
-def _unsigned(indices: IntArray) -> NDArray[np.uint64]:
-    """Row-major unsigned indices: Numba then leaves out the check for negative ones."""
-    return np.ascontiguousarray(indices, dtype=np.uint64)
+def _unsigned(indices: IntArray) -> NDArray[np.uint32]:
+    """Row-major unsigned indices: no check for negative ones, half the memory of the usual integers."""
+    return np.ascontiguousarray(indices, dtype=np.uint32)
 
 
 @cache
