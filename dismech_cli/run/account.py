@@ -14,9 +14,12 @@ import numpy as np
 from ..arrays import BoolArray, FloatArray
 from ..model.configuration import Configuration
 from ..model.driven import BoundDriven
+from ..model.frames import NoFrames
 from ..model.model import Model
 from ..model.state import State
 from ..model.term import BoundEnergy, BoundTerm
+
+_UNFRAMED = NoFrames()
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,10 +132,10 @@ class EnergyAccount:
         for name in self._roles.gravitational:
             change = 0.0
             for state in (before, after):
-                change += 0.5 * (
-                    self._energy(name, self._at(state, after.t))
-                    - self._energy(name, self._at(state, before.t))
-                )
+                # weight acts on positions: frames need not be transported
+                frames = _UNFRAMED.transport(state.frames, state.q)
+                late, early = (Configuration(t, state.q, state.v, frames) for t in (after.t, before.t))
+                change += 0.5 * (self._energy(name, late) - self._energy(name, early))
             self.sums["external_work"] += change
 
     def _at(self, state: State, t: float) -> Configuration:
