@@ -316,15 +316,15 @@ def test_a_loosely_stopped_newton_gives_the_printed_end_of_the_small_snake(monke
         q, free, dt = -stage.v0 * 0.05, system.pattern.free, 0.05  # starts from the last state
         first = None
         for _ in range(25):
-            residual, values = system.linearize(stage, q, stored)
-            size = np.linalg.norm(residual[free])
+            trial = system.linearize(stage, q, stored)
+            size = np.linalg.norm(trial.residual[free])
             first = size if first is None else first
-            solver.factorize(values)
-            change = solver.solve(-residual[free])
+            solver.factorize(trial.values)
+            change = solver.solve(-trial.residual[free])
             q[free] += change
             if size <= 1e-4 or size < 1e-4 * first or np.abs(change).max() < 1e-2 * dt:
                 break
-        return NewtonResult(q, residual.copy(), Status.CONVERGED, 1, float(size), -1)
+        return NewtonResult(q, trial.residual.copy(), Status.CONVERGED, 1, float(size), -1)
 
     monkeypatch.setattr(resistive, "RESISTIVE", replace(resistive.RESISTIVE, function=unturned))
     monkeypatch.setattr(step, "solve_stage", loosely)
