@@ -98,7 +98,7 @@ def build(
         driver=driver,
         length=float(np.median(np.concatenate((geometry.lengths, *sides)))),
     )
-    scene = Scene(geometry, plan, skeleton, dofs, rods)
+    scene = Scene(geometry, plan, skeleton, dofs, rods, free)
     fields = build_fields(loaded, scene)
     probes = {
         name: build_probe(loaded, geometry, skeleton, dofs, probe, ("output", "probes", name))

@@ -4,16 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import get_args
 
 import numpy as np
 
 from ..model.dofs import DofMap
 from ..output.frame import FieldSpec, Topology
 from ..run import fields as made
+from ..run.shell_fields import AmongCells, AreaStrainField, BendingEnergyField
 from ..scenario.load import LoadedScenario
+from ..scenario.output import ShellField
 from .geometry import Geometry
 from .plan import Bending, Plan
 from .rods import PLANAR_AXIS, RodSystem
+from .shell_edges import ShellEdges
 from .skeleton import Skeleton
 
 
@@ -26,11 +30,23 @@ class Scene:
     skeleton: Skeleton
     dofs: DofMap
     rods: RodSystem
+    free: ShellEdges
 
 
 def build_fields(loaded: LoadedScenario, scene: Scene) -> tuple[made.Field, ...]:
     """The fields asked for; positions are part of every frame anyway."""
-    return tuple(FIELDS[name](scene) for name in loaded.scenario.output.fields if name != "positions")
+    names = [name for name in loaded.scenario.output.fields if name != "positions"]
+    return tuple(_everywhere(scene, FIELDS[name](scene), name) for name in names)
+
+
+def _everywhere(scene: Scene, field: made.Field, name: str) -> made.Field:
+    """The field with zeros on the cells that it does not know."""
+    edges, triangles = len(scene.geometry.edges), len(scene.geometry.triangles)
+    if field.spec.location == "node":
+        return field
+    if name in get_args(ShellField):
+        return AmongCells(field, edges, 0) if edges else field
+    return AmongCells(field, 0, triangles) if triangles else field
 
 
 def build_topology(scene: Scene, fields: tuple[made.Field, ...], scalars: dict[str, str]) -> Topology:
@@ -121,6 +137,31 @@ def _director(scene: Scene) -> made.Field:
     return made.DirectorField(len(scene.geometry.edges))
 
 
+def _area_strain(scene: Scene) -> made.Field:
+    return AreaStrainField(scene.geometry.triangles, scene.geometry.areas)
+
+
+def _bending_energy_density(scene: Scene) -> made.Field:
+    from scipy.sparse import csr_array
+
+    geometry = scene.geometry
+    areas = geometry.areas
+    shares = []
+    for shell in geometry.shells:
+        own = geometry.triangles_of(shell.name)
+        if shell.bending == "hinge":
+            faces = own[scene.free.topologies[shell.name].hinge_faces]
+            stencils, weight = np.repeat(np.arange(len(faces)), 2), 0.5
+        else:
+            faces, stencils, weight = own, np.arange(len(own)), 1.0
+        rows = faces.reshape(-1)
+        matrix = csr_array(
+            (weight / areas[rows], (rows, stencils)), shape=(len(areas), int(stencils.max(initial=-1)) + 1)
+        )
+        shares.append((f"{shell.name}.bending", matrix))
+    return BendingEnergyField(tuple(shares))
+
+
 FIELDS: dict[str, Callable[[Scene], made.Field]] = {
     "velocity": _velocity,
     "curvature": _curvature,
@@ -129,4 +170,6 @@ FIELDS: dict[str, Callable[[Scene], made.Field]] = {
     "axial_force": _axial_force,
     "bending_moment": _bending_moment,
     "director": _director,
+    "area_strain": _area_strain,
+    "bending_energy_density": _bending_energy_density,
 }

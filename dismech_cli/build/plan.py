@@ -21,6 +21,7 @@ from ..scenario.load import LoadedScenario
 from ..scenario.motion import Twist
 from ..scenario.numerics import Static
 from ..scenario.probe import TwistProbe
+from .doubts import mesh_doubts
 from .geometry import Geometry
 from .holds import Hold, twists
 
@@ -63,6 +64,7 @@ class Plan:
         static: Whether mass is left out.
         kernels: ``numpy`` or ``numba``.
         decisions: What was decided and why.
+        warnings: What is allowed but doubtful, each with its place.
     """
 
     axes: tuple[int, ...]
@@ -70,6 +72,7 @@ class Plan:
     static: bool
     kernels: str
     decisions: tuple[Decision, ...]
+    warnings: tuple[str, ...]
 
     def __str__(self) -> str:
         return "\n".join(f"{d.what}: {d.why}" for d in self.decisions)
@@ -111,7 +114,7 @@ def make_plan(
         decisions.append(Decision("no damping matrix", "no force depends on velocity"))
     kernels, why = (kernels, "as in the resumed run") if kernels else _kernels(loaded, geometry)
     decisions.append(Decision(f"kernels by {kernels}", why))
-    return Plan(axes, bending, static, kernels, tuple(decisions))
+    return Plan(axes, bending, static, kernels, tuple(decisions), tuple(mesh_doubts(loaded, geometry)))
 
 
 def _check_planar(loaded: LoadedScenario, geometry: Geometry, axes: tuple[int, ...]) -> None:

@@ -96,7 +96,7 @@ def inspect(path: Path, *, overrides: tuple[str, ...], profile: str | None, allo
     """
     loaded = load(path, overrides=overrides, profile=profile, allow_outside=allow_outside)
     built = build(loaded)
-    return Finding(path, built.plan.decisions, loaded.warnings, estimate(built))
+    return Finding(path, built.plan.decisions, (*loaded.warnings, *built.plan.warnings), estimate(built))
 
 
 def estimate(built: Built) -> Cost:

@@ -69,6 +69,8 @@ def start(request: Start, present: Presenting) -> int:
         present.console.warn(warning)
     tock = time.perf_counter()
     built = build(loaded, planned=present.planned)
+    for warning in built.plan.warnings:
+        present.console.warn(warning)
     inputs = gather_inputs(loaded)
     seconds = {"load": tock - tick, "build": time.perf_counter() - tock}
     run_dir = _directory(request, loaded)

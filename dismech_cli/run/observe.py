@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from ..arrays import FloatArray
+from ..model.configuration import Configuration
 from ..model.state import State
+from ..model.term import BoundEnergy
 from ..output.frame import Frame
 from ..solve.step import Stepper
 from .account import EnergyAccount, Roles
@@ -52,7 +54,14 @@ class Observer:
             residual,
             measure,
             lambda: self._stepper.negative_eigenvalues(state),
+            lambda name: self._stencil_energies(name, state),
         )
+
+    def _stencil_energies(self, name: str, state: State) -> FloatArray:
+        (term,) = (term for term in self._stepper.system.terms if term.name == name)
+        assert isinstance(term, BoundEnergy)
+        frames = self._simulation.model.frames.transport(state.frames, state.q)
+        return term.energy(Configuration(state.t, state.q, state.v, frames))
 
     def watch(self, s: Snapshot) -> None:
         """Record the watched probes."""

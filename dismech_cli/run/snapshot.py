@@ -23,6 +23,7 @@ class Snapshot:
         residual: M a + r of the last solve, shape (n,): on held DOFs the force that holds them.
         measure_energies: Gives the energy account [J] by name.
         count_negative: Gives the number of negative eigenvalues of the stiffness.
+        stencil_energies: Gives the energy of each stencil of a named energy [J], shape (S,).
     """
 
     model: Model
@@ -30,6 +31,7 @@ class Snapshot:
     residual: FloatArray
     measure_energies: Callable[[], Mapping[str, float]]
     count_negative: Callable[[], int]
+    stencil_energies: Callable[[str], FloatArray]
 
     @property
     def dofs(self) -> DofMap:

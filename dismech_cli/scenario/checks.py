@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TypeAlias
+from typing import TypeAlias, get_args
 
 from .actuation import DihedralActuation
 from .document import KeyPath
@@ -22,6 +22,7 @@ from .force import (
 from .geometry import Body, Shell
 from .motion import Clamp, Twist
 from .numerics import Static
+from .output import RodField, ShellField
 from .probe import MeanPositionProbe, Probe, StabilityProbe
 from .schema import Scenario
 from .selection import EdgeSelection, GroupSelection, NodeSelection
@@ -193,6 +194,11 @@ def _forces(scenario: Scenario) -> Iterator[Finding]:
 
 def _output(scenario: Scenario) -> Iterator[Finding]:
     output = scenario.output
+    for i, field in enumerate(output.fields):
+        if field in get_args(RodField) and not scenario.rods:
+            yield ("output", "fields", i), f"{field!r} is a field of rods, but the scene has none"
+        if field in get_args(ShellField) and not scenario.shells:
+            yield ("output", "fields", i), f"{field!r} is a field of shells, but the scene has none"
     colour = output.render.color_by
     needed = "velocity" if colour == "speed" else colour
     if colour != "none" and needed not in output.fields:

@@ -70,6 +70,10 @@ class LoadedScenario:
         """An error that points to a key path, for the caller to raise."""
         return ProblemsError([_problem(self.tree, as_path(path), message)])
 
+    def warning(self, path: str | KeyPath, message: str) -> str:
+        """A doubt that points to a key path, as one line."""
+        return _problem(self.tree, as_path(path), message).line()
+
 
 def load(
     path: str | Path,

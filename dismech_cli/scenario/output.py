@@ -11,9 +11,11 @@ from .probe import Probe
 from .quantity import Name, PositiveTime
 from .spec import Spec, problem
 
-FieldName: TypeAlias = Literal[
-    "positions", "velocity", "curvature", "twist", "axial_strain", "axial_force", "bending_moment", "director"
+RodField: TypeAlias = Literal[
+    "curvature", "twist", "axial_strain", "axial_force", "bending_moment", "director"
 ]
+ShellField: TypeAlias = Literal["area_strain", "bending_energy_density"]
+FieldName: TypeAlias = Literal["positions", "velocity"] | RodField | ShellField
 WriterName: TypeAlias = Literal["hdf5", "vtu", "csv"]
 Pixels: TypeAlias = Annotated[int, Field(ge=16, le=8192)]
 
