@@ -15,7 +15,7 @@ RodField: TypeAlias = Literal[
     "curvature", "twist", "axial_strain", "axial_force", "bending_moment", "director"
 ]
 ShellField: TypeAlias = Literal["area_strain", "bending_energy_density"]
-FieldName: TypeAlias = Literal["positions", "velocity"] | RodField | ShellField
+FieldName: TypeAlias = Literal["positions", "velocity", RodField, ShellField]
 WriterName: TypeAlias = Literal["hdf5", "vtu", "csv"]
 Pixels: TypeAlias = Annotated[int, Field(ge=16, le=8192)]
 
