@@ -22,6 +22,11 @@ from ..model.term import BoundEnergy, BoundTerm
 _UNFRAMED = NoFrames()
 
 
+# Energy from nowhere, in units of all energy that was given: no damping scheme comes near, and an
+# unstable one passes it within a few steps.
+_RUNAWAY = 100.0
+
+
 @dataclass(frozen=True, slots=True)
 class Roles:
     """Names of the terms by their place in the account."""
@@ -86,6 +91,20 @@ class EnergyAccount:
         entries["dissipation"] = s["dissipation"]
         entries["error"] = entries["total"] - s["initial"] - entries["external_work"] + s["dissipation"]
         return entries
+
+    def runs_away(self, entries: Mapping[str, float], seconds: float) -> bool:
+        """Whether the robot holds far more energy than it was given: the integrator has blown up.
+
+        Args:
+            entries: Result of :meth:`measure`.
+            seconds: Duration of the run [s]. Motions below a millionth of the robot's size in that
+                time are round-off, not energy.
+        """
+        q = self._model.dofs.positions(self._model.rest)
+        speed = 1e-6 * float(np.ptp(q, axis=0).max()) / seconds
+        given = abs(entries["external_work"]) + abs(entries["dissipation"]) + abs(self.sums["initial"])
+        given += abs(entries["gravitational"]) + float(self._model.mass.sum()) * speed**2
+        return entries["error"] > _RUNAWAY * given
 
     def _work_of_holds(self, before: State, after: State, moved: FloatArray, held: BoolArray) -> float:
         """Work of what holds and drives [J]: against all forces by the trapezoidal rule, and on masses.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from ..solve.status import Status
@@ -37,6 +37,19 @@ def describe_failure(
     ]
     lines.append(f"  advice: {result.status.advice}")
     return "\n".join(lines)
+
+
+def describe_runaway(t: float, dt: float, energies: Mapping[str, float]) -> str:
+    """What to say when a run makes energy out of nothing."""
+    return "\n".join(
+        (
+            f"the motion blew up by t = {t:.6g} s with dt = {dt:.3g} s: "
+            f"{energies['error']:.3g} J that nothing gave it",
+            "  the integrator is unstable at this step: fast axial or bending modes grow without bound",
+            "  advice: reduce numerics.dt, or choose generalized_alpha, tr_bdf2 or implicit_euler,"
+            " which damp them",
+        )
+    )
 
 
 def _where(simulation: Simulation, dof: int) -> str:

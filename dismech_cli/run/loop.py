@@ -19,10 +19,11 @@ from ..solve.status import Status
 from ..solve.step import Stepper, StepResult
 from .account import EnergyAccount
 from .clock import Clock
-from .failure import StepRecord, describe_failure
+from .failure import StepRecord, describe_failure, describe_runaway
 from .interrupt import StopRequest
 from .observe import Observer
 from .simulation import Simulation
+from .snapshot import Snapshot
 
 Arrays = Mapping[str, FloatArray]
 
@@ -198,7 +199,11 @@ def _advance(loop: _Loop, state: State, limits: Limits, stop: StopRequest) -> Ou
         state = after
         loop.clock = loop.clock.succeeded()
         loop.counters.steps += 1
-        _emit(loop, state, result, target - now)
+        frame = _emit(loop, state, result, target - now)
+        if frame is not None and loop.account.runs_away(frame.energies, float(grid[-1])):
+            message = describe_runaway(state.t, target - now, frame.energies)
+            loop.sink.event("failed", state.t, message=message)
+            return _outcome(loop, state, End.FAILED, message)
         loop.sink.progress(
             Progress(state.t, float(grid[-1]), target - now, loop.counters.steps, loop.counters.iterations)
         )
@@ -244,8 +249,8 @@ def _at_rest(state: State) -> StepResult:
     return StepResult(state, Status.CONVERGED, 0, 0.0, np.zeros_like(state.q), -1)
 
 
-def _emit(loop: _Loop, state: State, result: StepResult, dt: float) -> None:
-    """Watch every state; write a frame when one is due."""
+def _emit(loop: _Loop, state: State, result: StepResult, dt: float) -> Snapshot | None:
+    """Watch every state; write a frame when one is due, and return what it shows."""
     tick = time.perf_counter()
     snapshot = loop.observer.snapshot(state, result.residual)
     loop.observer.watch(snapshot)
@@ -254,7 +259,7 @@ def _emit(loop: _Loop, state: State, result: StepResult, dt: float) -> None:
     at_end = loop.clock.done(grid)
     if state.t < due * (1.0 - 1e-12) and not at_end:
         loop.seconds["observe"] += time.perf_counter() - tick
-        return
+        return None
     frame = loop.observer.frame(
         loop.counters.frames, snapshot, dt, loop.since_frame, result.residual_norm, loop.wall
     )
@@ -264,6 +269,7 @@ def _emit(loop: _Loop, state: State, result: StepResult, dt: float) -> None:
     loop.seconds["write"] += time.perf_counter() - tock
     loop.counters.frames += 1
     loop.since_frame = 0
+    return snapshot
 
 
 def _checkpoint(loop: _Loop, state: State) -> None:
