@@ -576,3 +576,19 @@ def test_shell_energies_are_stencils(made: Any) -> None:
     model = made(shell_deck()).simulation.model
     names = [t.name for t in model.terms if isinstance(t, StencilEnergy)]
     assert names == ["sheet.membrane", "sheet.bending"]
+
+
+def test_stout_shells_are_doubtful(write: Any) -> None:
+    (warning,) = load(write(shell_deck(body={"thickness": 0.05}))).warnings
+    assert "geometry[0].thickness: thickness 0.05 m on a size of 0.2 m: too stout for a shell" in warning
+
+
+@pytest.mark.slow
+def test_compiled_kernels_agree(ran: Any) -> None:
+    """Both drivers step to where Newton stops, 1e-8 of the loads."""
+    deck = shell_deck(motions=[{"type": "clamp", "where": "sheet.left"}], forces=[DOWN])
+    ends = [
+        ran(deck | {"numerics": EULER | {"kernels": kernels}}).frames[-1].positions
+        for kernels in ("numpy", "numba")
+    ]
+    assert_allclose(ends[0], ends[1], rtol=0.0, atol=1e-9)

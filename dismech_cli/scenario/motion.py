@@ -14,7 +14,11 @@ from .spec import Spec, problem, told_by_key
 
 
 class Clamp(Spec):
-    """Holds nodes and the edges between them: position and direction."""
+    """Holds nodes and the edges between them: position and direction.
+
+    On a shell with mid-edge normals, those of the edges between held nodes: a rim is clamped by itself.
+    With other bending a clamp needs two rows of nodes.
+    """
 
     type: Literal["clamp"] = Field(description="Kind of motion.")
     where: Selection = Field(description="What is held.")

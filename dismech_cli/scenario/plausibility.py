@@ -8,22 +8,24 @@ from itertools import pairwise
 
 from .checks import Finding
 from .force import Aerodynamic, AreaDamping, Gravity, Hydrodynamic, Resistive, Viscous
-from .geometry import Rod
+from .geometry import Rod, Shell
 from .numerics import Static
 from .schema import Scenario
 from .section import GivenSection, RectangularSection, RoundSection, TubeSection
 from .shape import Arc, Helix, Line, Polyline
+from .surface import AnnulusSurface, DiscSurface, HemisphereSurface, SheetSurface
 
 SOFTEST, STIFFEST = 1e3, 1.3e12  # [Pa] jelly, diamond
 LIGHTEST, HEAVIEST = 1.0, 23e3  # [kg/m^3] aerogel, osmium
 STRONGEST_GRAVITY = 300.0  # [m/s^2] about that of the sun
-STOUTEST = 0.2  # thickness over length at which a rod is no rod any more
+STOUTEST = 0.2  # thickness over length at which a rod is no rod any more, a shell no shell
 
 
 def doubts(scenario: Scenario) -> Iterator[Finding]:
     """Implausible values of a scenario, as key path and message."""
     yield from _materials(scenario)
     yield from _slenderness(scenario)
+    yield from _thinness(scenario)
     for i, force in enumerate(scenario.forces):
         if isinstance(force, Gravity):
             numbers = [a for a in force.acceleration if isinstance(a, float)]
@@ -66,6 +68,27 @@ def _slenderness(scenario: Scenario) -> Iterator[Finding]:
             key = "radius" if rod.radius is not None else "section"
             message = f"thickness {thickness:g} m on a length of {length:g} m: too stout for a rod"
             yield ("geometry", i, key), message
+
+
+def _thinness(scenario: Scenario) -> Iterator[Finding]:
+    for i, shell in scenario.shells.items():
+        size = _size(shell)
+        if size is not None and shell.thickness > STOUTEST * size:
+            message = f"thickness {shell.thickness:g} m on a size of {size:g} m: too stout for a shell"
+            yield ("geometry", i, "thickness"), message
+
+
+def _size(shell: Shell) -> float | None:
+    """Smallest extent of a generated surface [m]; None if it comes from a file."""
+    match shell.generate:
+        case SheetSurface(length=length, width=width):
+            return min(length, width)
+        case DiscSurface(radius=radius) | HemisphereSurface(radius=radius):
+            return 2 * radius
+        case AnnulusSurface(inner_radius=inner, outer_radius=outer):
+            return outer - inner
+        case _:
+            return None
 
 
 def _thickness(rod: Rod) -> float:

@@ -41,9 +41,9 @@ class DistanceProbe(Spec):
 
 
 class MeanPositionProbe(Spec):
-    """Mean position of the nodes of a rod."""
+    """Mean position of the nodes of a body."""
 
-    mean_position: Name = Field(description="Name of the rod.")
+    mean_position: Name = Field(description="Name of the body.")
     component: Component = Field(description="Component, or magnitude.")
 
 

@@ -20,8 +20,8 @@ the schema itself.
 - **Laws**: a value marked *law* may be a number or quantity, or one of the mappings under
   [Laws](#tablelaw): `{table: [[0, 0], [1 s, 5 mm]]}`, `{ramp: {from: 0, to: 5 mm, end: 1 s}}`,
   `{sine: {amplitude: 5 mm, frequency: 2 Hz}}`, `{sawtooth: {...}}`, `{expression: "sin(2*pi*t)"}`.
-- **Selections**: `beam` (all nodes), `beam.start`, `beam.end`, a group of its mesh `beam.NAME`, or one
-  of the mappings under [Selections](#groupselection).
+- **Selections**: `beam` (all nodes), `beam.start`, `beam.end`, `sheet.boundary` (the rims of a shell), a
+  group of a mesh `beam.NAME`, or one of the mappings under [Selections](#groupselection).
 - **Files** are named relative to the folder of the scenario and must lie in it, unless
   `--allow-outside` is given.
 - **Precedence**: defaults < `include` < the file < profile < `--set KEY=VALUE`. Mappings merge key by

@@ -18,9 +18,9 @@ Indices: TypeAlias = Annotated[tuple[Index, ...], Len(1, 10_000_000), Strict(Fal
 
 
 class IndexSet(Spec):
-    """Nodes or edges of a rod by number, from 0."""
+    """Nodes of a body or edges of a rod by number, from 0."""
 
-    of: Name = Field(description="Name of the rod.")
+    of: Name = Field(description="Name of the body.")
     indices: Indices | None = Field(default=None, description="Numbers.")
     range: IndexRange | None = Field(default=None, description="First and last number, both included.")
 
@@ -61,7 +61,11 @@ class Sphere(Spec):
 
 
 class GroupSelection(Spec):
-    """A named group: `beam`, `beam.start`, `beam.end`, or `beam.NAME` of its mesh; text is short for it."""
+    """A named group; text is short for it.
+
+    `beam` is all of a body, `beam.start` and `beam.end` are the ends of a rod, `sheet.boundary` the rims
+    of a shell, `sheet.left` and the like the groups of a generated one, `beam.NAME` those of a mesh.
+    """
 
     group: str = Field(
         pattern=r"^[A-Za-z_][A-Za-z0-9_-]{0,63}(\.[^\s.][^.]{0,99})?$", description="Name of the group."
@@ -74,9 +78,9 @@ class GroupSelection(Spec):
 
 
 class NodeSelection(Spec):
-    """Nodes of a rod by number."""
+    """Nodes of a body by number."""
 
-    nodes: IndexSet = Field(description="Rod and numbers.")
+    nodes: IndexSet = Field(description="Body and numbers.")
 
 
 class EdgeSelection(Spec):
