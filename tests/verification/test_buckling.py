@@ -156,7 +156,7 @@ def test_critical_load(tmp_path: Path, name: str) -> None:
 @pytest.mark.parametrize(
     "name",
     [
-        pytest.param(name, marks=() if name in ("pinned", "self weight") else pytest.mark.slow)
+        pytest.param(name, marks=() if name == "pinned" else pytest.mark.slow)
         for name in CASES
         if name != "lateral"  # its limit is that of an infinite stiffness in the plane, see below
     ],

@@ -68,7 +68,9 @@ def test_tip_force(tmp_path: Path, alpha: float, nodes: int, tolerance: float) -
     assert np.abs(tip_force_error(tmp_path, nodes, alpha)).max() < tolerance
 
 
-@pytest.mark.parametrize("alpha", TIP_FORCE)
+@pytest.mark.parametrize(
+    "alpha", [pytest.param(a, marks=() if a in (1.0, 10.0) else pytest.mark.slow) for a in TIP_FORCE]
+)
 def test_tip_force_converges_at_second_order(tmp_path: Path, alpha: float) -> None:
     nodes = np.array([13, 25, 49, 97])
     errors = [np.linalg.norm(tip_force_error(tmp_path, n, alpha)[:2]) for n in nodes]
@@ -103,7 +105,7 @@ def test_self_weight(tmp_path: Path, gamma: float) -> None:
     assert np.abs(self_weight_error(tmp_path, 101, gamma)).max() < 1e-3
 
 
-@pytest.mark.parametrize("gamma", [1.0, 10.0, 100.0])
+@pytest.mark.parametrize("gamma", [10.0, *(pytest.param(g, marks=pytest.mark.slow) for g in (1.0, 100.0))])
 def test_self_weight_converges_at_second_order(tmp_path: Path, gamma: float) -> None:
     # the bend of a heavy rod sits in a layer of length Gamma^(-1/3), which coarser meshes do not resolve
     nodes = np.array([51, 101, 201])

@@ -84,6 +84,7 @@ def test_third_mode_of_the_cantilever(tmp_path: Path) -> None:
     assert_allclose(frequency_ratio(tmp_path, 101, CANTILEVER[2], free_end=True), 1.0, atol=1e-2)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("published", "free_end"), [(CANTILEVER[1], True), (CLAMPED_CLAMPED[0], False)])
 def test_frequency_converges_at_second_order(tmp_path: Path, published: float, free_end: bool) -> None:
     nodes = np.array([9, 17, 33])
