@@ -2,22 +2,34 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
-from shell_cases import Material, shell
+from shell_cases import shell
+from shell_decks import (
+    BELL,
+    DOWN,
+    EULER,
+    MIXED,
+    RUBBER,
+    SHEET,
+    STATIC,
+    Deck,
+    made,
+    ran,
+    rod,
+    shell_deck,
+    write,
+)
 
 from dismech_cli import load
 from dismech_cli.arrays import FloatArray
 from dismech_cli.build.build import Built, build
-from dismech_cli.build.doubts import unevenness
-from dismech_cli.build.simulate import Memory, Result, simulate
+from dismech_cli.build.simulate import Memory
 from dismech_cli.energies.hinge import hinge_angles
-from dismech_cli.errors import ScenarioError
 from dismech_cli.forces.aerodynamic import aerodynamic_drag
 from dismech_cli.forces.hydrodynamic import area_damping, hydrodynamic_drag
 from dismech_cli.forces.pressure import pressure
@@ -34,81 +46,10 @@ from dismech_cli.model.term import Term
 from dismech_cli.run.loop import End, Limits, run
 from dismech_cli.solve.pattern import SparsityPattern
 
-Deck = dict[str, Any]
+__all__ = ["made", "ran", "write"]
+
 MEMBRANES = ("cst", "springs")
 BENDINGS = ("midedge", "hinge", "averaged")
-RUBBER = Material(youngs_modulus=1e6, poisson_ratio=0.3, thickness=2e-3, density=1000.0)
-EULER: Deck = {"integrator": {"type": "implicit_euler"}, "dt": 0.01, "t_end": 0.03}
-STATIC: Deck = {"integrator": {"type": "static", "load_steps": 1}}
-DOWN: Deck = {"type": "gravity", "acceleration": [0.0, 0.0, -9.81]}
-SHEET: Deck = {
-    "shape": "sheet",
-    "origin": [0.0, 0.0, 0.0],
-    "length": 0.3,
-    "width": 0.2,
-    "divisions": 6,
-    "pattern": "alternating",
-}
-BELL: Deck = {"shape": "hemisphere", "center": [0.0, 0.0, 0.0], "radius": 0.1, "rings": 4}
-
-
-def shell_deck(surface: Deck = SHEET, *, body: Deck | None = None, **keys: Any) -> Deck:
-    """A scene of one shell named ``sheet``; ``body`` is merged into it, ``keys`` into the scene."""
-    one: Deck = {"type": "shell", "name": "sheet", "material": "rubber", "thickness": 2e-3}
-    rubber = {"youngs_modulus": 1e6, "poisson_ratio": 0.3, "density": 1000.0}
-    return {
-        "schema_version": 1,
-        "name": "shells",
-        "materials": {"rubber": rubber},
-        "geometry": [one | {"generate": surface} | (body or {})],
-        "numerics": EULER,
-    } | keys
-
-
-def rod(start: list[float], end: list[float], name: str = "rod") -> Deck:
-    """A rod body of five nodes."""
-    return {
-        "type": "rod",
-        "name": name,
-        "material": "rubber",
-        "radius": 2e-3,
-        "generate": {"shape": "line", "from": start, "to": end, "nodes": 5},
-    }
-
-
-@pytest.fixture
-def write(tmp_path: Path) -> Any:
-    def written(deck: Deck) -> Path:
-        path = tmp_path / "scene.yaml"
-        path.write_text(json.dumps(deck, indent=1), encoding="utf-8")
-        return path
-
-    return written
-
-
-@pytest.fixture
-def made(write: Any) -> Any:
-    return lambda deck: build(load(write(deck)))
-
-
-@pytest.fixture
-def ran(write: Any) -> Any:
-    def done(deck: Deck) -> Result:
-        result = simulate(write(deck))
-        assert result.outcome.end is End.DONE, result.outcome.message
-        return result
-
-    return done
-
-
-@pytest.fixture
-def refused(write: Any) -> Any:
-    def message(deck: Deck) -> str:
-        with pytest.raises(ScenarioError) as error:
-            build(load(write(deck)))
-        return str(error.value)
-
-    return message
 
 
 def residual(model: Model, terms: tuple[Term, ...], q: FloatArray, v: FloatArray) -> FloatArray:
@@ -183,40 +124,6 @@ def test_natural_shape(made: Any, bending: str) -> None:
         model = made(shell_deck(BELL, body=body)).simulation.model
         energies[shape] = np.abs(residual(model, model.terms, model.rest, np.zeros(model.dofs.n))).max()
     assert energies["rest"] < 1e-9 * energies["flat"]
-
-
-@pytest.mark.parametrize(
-    ("normal", "apex"), [([0, 0, 1], [1, 2, 3.1]), ([0, 0, -2], [1, 2, 2.9]), ([3, 0, 4], [1.06, 2, 3.08])]
-)
-def test_hemispheres_point_along_their_axis(made: Any, normal: list[float], apex: list[float]) -> None:
-    surface = BELL | {"center": [1.0, 2.0, 3.0], "axis": [float(x) for x in normal]}
-    geometry = made(shell_deck(surface)).geometry
-    assert_allclose(geometry.nodes[geometry.node_groups["sheet.apex"]], [apex], atol=1e-15)
-    assert_allclose(np.linalg.norm(geometry.nodes - [1.0, 2.0, 3.0], axis=1), 0.1, rtol=1e-14)
-    x = geometry.nodes[geometry.triangles]
-    outward = np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0])
-    assert ((x.mean(axis=1) - [1.0, 2.0, 3.0]) * outward).sum(axis=1).min() > 0.0
-
-
-def test_sheets_span_their_axes(made: Any) -> None:
-    surface = SHEET | {"origin": [1.0, 0.0, 0.0], "axes": [[0.0, 2.0, 0.0], [0.0, 1.0, 1.0]]}
-    geometry = made(shell_deck(surface)).geometry
-    right, top = (geometry.nodes[geometry.node_groups[f"sheet.{side}"]] for side in ("right", "top"))
-    assert_allclose(right[:, 1], 0.3, atol=1e-15)
-    assert_allclose(top[:, 2], 0.2, atol=1e-15)
-    assert_allclose(geometry.nodes[:, 0], 1.0, rtol=1e-15)
-
-
-def test_flat_shapes_and_their_groups(made: Any) -> None:
-    disc = {"shape": "disc", "center": [0, 0, 0.5], "radius": 0.1, "rings": 3, "normal": [0, 1, 0]}
-    ring = {"shape": "annulus", "center": [0, 0, 0], "inner_radius": 0.1, "outer_radius": 0.2, "rings": 2}
-    geometry = made(shell_deck(disc)).geometry
-    assert_allclose(np.ptp(geometry.nodes, axis=0)[1], 0.0, atol=1e-16)
-    assert_array_equal(geometry.node_groups["sheet.boundary"], geometry.node_groups["sheet.rim"])
-    geometry = made(shell_deck(ring)).geometry
-    both = np.union1d(geometry.node_groups["sheet.inner"], geometry.node_groups["sheet.outer"])
-    assert_array_equal(geometry.node_groups["sheet.boundary"], both)
-    assert_allclose(geometry.areas.sum(), np.pi * 0.03, rtol=0.05)
 
 
 def test_clamps_hold_the_slope_of_a_rim(ran: Any) -> None:
@@ -296,21 +203,6 @@ def test_payloads_have_inertia(made: Any) -> None:
     more = (laden.mass - plain.mass)[: plain.dofs.n_positions].reshape(-1, 3)
     assert_allclose(more[plain.rest[: plain.dofs.n_positions : 3] == 0.0], 0.5, rtol=1e-12)
     assert_allclose(more.sum(axis=0), 0.5 * 5, rtol=1e-12)
-
-
-MIXED = """\
-*Nodes
-0, 0, 0
-1, 0, 0
-0.5, 0.8660254, 0
-0, 0, -1
-0, 0, -2
-*Edges
-1, 4
-4, 5
-*Triangles
-1, 2, 3
-"""
 
 
 @pytest.mark.parametrize("order", [1, -1])
@@ -465,122 +357,11 @@ def test_framed_rods_beside_free_normals(ran: Any) -> None:
     assert_allclose(together[6:], sheet_alone, rtol=0.0, atol=1e-9)
 
 
-def test_plan_says_what_shells_need(made: Any) -> None:
-    free, hinged = (made(shell_deck(body={"bending": b})) for b in ("midedge", "hinge"))
-    assert "no rods" in str(free.plan)
-    assert "one angle per edge of 48 triangles" in str(free.plan)
-    assert "no mid-edge normals on shell 'sheet'" in str(hinged.plan)
-    assert free.simulation.model.dofs.n_normals > 0
-    assert hinged.simulation.model.dofs.n_normals == 0
-
-
-def test_uneven_meshes_are_doubtful_for_hinges_only(made: Any) -> None:
-    for pattern, bending, count in (
-        ("right", "hinge", 1),
-        ("right", "averaged", 1),
-        ("right", "midedge", 0),
-        ("equilateral", "hinge", 0),
-    ):
-        built = made(shell_deck(SHEET | {"pattern": pattern}, body={"bending": bending}))
-        assert len(built.plan.warnings) == count
-        for warning in built.plan.warnings:
-            assert "scene.yaml:" in warning
-            assert "geometry[0].bending: the corners of 'sheet' are 21 degrees off those of" in warning
-    right = sheet(1.0, 1.0, 4, Pattern.RIGHT)
-    assert_allclose(unevenness(right.nodes, right.triangles), np.sqrt(450.0), rtol=1e-12)
-
-
-@pytest.mark.parametrize(
-    ("keys", "message"),
-    [
-        ({"dimension": 2}, "geometry[0].type: a shell needs a scene of dimension 3"),
-        (
-            {"motions": [{"type": "clamp", "where": "sheet.leftt"}]},
-            "motions[0].where: a generated sheet has the groups 'left', 'right',",
-        ),
-        (
-            {"motions": [{"type": "clamp", "where": "shet"}]},
-            "motions[0].where: no body is named 'shet'; did you mean 'sheet'?",
-        ),
-        (
-            {"motions": [{"type": "clamp", "where": "sheet.left", "twist": 1.0}]},
-            "motions[0]: turns no edge: the scene has no rod that can twist",
-        ),
-        (
-            {"forces": [{"type": "pressure", "shell": "shet", "pressure": 1.0}]},
-            "forces[0].shell: no shell is named 'shet'; did you mean 'sheet'?",
-        ),
-        ({"forces": [{"type": "viscous", "coefficient": 1.0}]}, "forces[0].type: acts on rods, but"),
-        (
-            {"forces": [{"type": "moment", "where": "sheet.left", "moment": [0.0, 1.0, 0.0]}]},
-            "which no rod has: a moment acts on rods",
-        ),
-        (
-            {"actuation": [{"type": "dihedral", "shell": "rod", "value": 1.0}]},
-            "actuation[0].shell: no shell is named 'rod'",
-        ),
-        (
-            {"actuation": [{"type": "dihedral", "shell": "sheet", "hinges": "sheet.left", "value": 1.0}]},
-            "actuation[0]: drives no hinge of shell 'sheet', which has 62",
-        ),
-        (
-            {"forces": [{"type": "pressure", "shell": "sheet", "pressure": {"expression": "x"}}]},
-            "'x' has a meaning under dihedral actuation only",
-        ),
-        ({"output": {"fields": ["twist"]}}, "output.fields[0]: 'twist' is a field of rods, but"),
-        (
-            {"motions": [{"type": "clamp", "where": {"edges": {"of": "sheet", "indices": [0]}}}]},
-            "motions[0].where.edges.of: no rod is named 'sheet'",
-        ),
-        (
-            {"masses": [{"where": "sheet.left", "mass": 0.0}]},
-            "masses[0].mass: must be greater than 0, got 0.0",
-        ),
-    ],
-)
-def test_refused(refused: Any, keys: Deck, message: str) -> None:
-    text = refused(shell_deck(**keys))
-    assert "scene.yaml:" in text
-    assert message in text
-
-
-@pytest.mark.parametrize(
-    ("body", "message"),
-    [
-        ({"thickness": -1.0}, "geometry[0].thickness: must be greater than 0"),
-        ({"bending": "hing"}, "geometry[0].bending: expected 'midedge', 'hinge' or 'averaged'"),
-        ({"generate": SHEET | {"axes": [[1, 0, 0], [2, 0, 0]]}}, "axes of a sheet must not be parallel"),
-        ({"generate": BELL | {"polar_angles": [0.1, 0.2]}}, "give either 'rings' or 'polar_angles'"),
-        ({"generate": None, "mesh": {"file": "lines.txt"}}, "has no triangles; a shell needs some"),
-        ({"generate": None, "mesh": {"file": "mixed.txt", "group": "a"}}, "has no group of triangles 'a'"),
-    ],
-)
-def test_refused_bodies(refused: Any, tmp_path: Path, body: Deck, message: str) -> None:
-    (tmp_path / "mixed.txt").write_text(MIXED, encoding="utf-8")
-    (tmp_path / "lines.txt").write_text(MIXED.partition("*Triangles")[0], encoding="utf-8")
-    text = refused(shell_deck(body=body))
-    assert "scene.yaml:" in text
-    assert message in text
-
-
-def test_rigid_joints_to_shells_are_refused(refused: Any) -> None:
-    corner = {"nodes": {"of": "sheet", "indices": [0]}}
-    deck = shell_deck(joints=[{"type": "rigid", "nodes": [corner, "rod.start"]}])
-    deck["geometry"] = [*deck["geometry"], rod([0.0, 0.0, 0.0], [0.0, 0.0, 1.0])]
-    text = refused(deck)
-    assert "joints[0].type: a joint to a shell passes forces but no bending or twist; take 'hinge'" in text
-
-
 def test_shell_energies_are_stencils(made: Any) -> None:
     """The names by which results and messages know the energies of a shell."""
     model = made(shell_deck()).simulation.model
     names = [t.name for t in model.terms if isinstance(t, StencilEnergy)]
     assert names == ["sheet.membrane", "sheet.bending"]
-
-
-def test_stout_shells_are_doubtful(write: Any) -> None:
-    (warning,) = load(write(shell_deck(body={"thickness": 0.05}))).warnings
-    assert "geometry[0].thickness: thickness 0.05 m on a size of 0.2 m: too stout for a shell" in warning
 
 
 @pytest.mark.slow
