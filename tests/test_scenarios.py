@@ -28,6 +28,9 @@ SLOW = {
     "helix_lead_in",
     "helix_soft",
     "helix_stiff",
+    "hemisphere_hang",
+    "manta_ray",
+    "parachute",
     "snake",
 }
 

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
-
-from dismech_cli.mesh.generate_shell import hemisphere
 
 HERE = Path(__file__).parent
 
@@ -14,7 +13,9 @@ HERE = Path(__file__).parent
 def parachute(rings: int = 6, rope_edges: int = 11) -> str:
     """Flat hexagon of side 1 m in rings of equilateral triangles, roped to a payload 0.2 m below."""
     side = 1.0 / rings
-    cells = [(i, j) for i in range(-rings, rings + 1) for j in range(-rings, rings + 1) if abs(i + j) <= rings]
+    cells = [
+        (i, j) for i in range(-rings, rings + 1) for j in range(-rings, rings + 1) if abs(i + j) <= rings
+    ]
     place = {cell: k for k, cell in enumerate(cells)}
     canopy = np.array([[side * (i + 0.5 * j), side * np.sqrt(0.75) * j, 0.0] for i, j in cells])
     triangles = [
@@ -32,7 +33,7 @@ def parachute(rings: int = 6, rope_edges: int = 11) -> str:
         part = np.arange(1, rope_edges)[:, None] / rope_edges
         nodes.append(payload + part * (canopy[place[corner]] - payload))
         chain = [bottom, *range(count, count + rope_edges - 1), place[corner]]
-        edges += list(zip(chain, chain[1:], strict=False))
+        edges += list(pairwise(chain))
         count += rope_edges - 1
     return text(np.concatenate(nodes), edges, triangles)
 
@@ -57,24 +58,10 @@ def manta_ray(columns: int = 10) -> str:
             if k == columns:
                 continue
             here, ahead, behind = node(s, k, j), node(s, k + 1, j), node(s, k + 1, j + 1)
-            triangles.append((here, behind, ahead)[:: -s or 1])
+            triangles.append((here, behind, ahead)[::-s])
             if j < k:
-                triangles.append((here, node(s, k, j + 1), behind)[:: -s or 1])
+                triangles.append((here, node(s, k, j + 1), behind)[::-s])
     return text(np.array(nodes), [], triangles)
-
-
-def jellyfish(tentacle_edges: int = 5, edge: float = 0.1) -> str:
-    """Bell of radius 1 m in rings of 15 degrees, and six tentacles hanging from its rim."""
-    bell = hemisphere(1.0, 6, counts=(6, 12, 18, 24, 30, 36))
-    nodes, edges = [bell.nodes], []
-    count = len(bell.nodes)
-    for root in bell.node_groups["rim"][::6]:
-        below = np.arange(1, tentacle_edges + 1)[:, None] * np.array([0.0, 0.0, -edge])
-        nodes.append(bell.nodes[root] + below)
-        chain = [int(root), *range(count, count + tentacle_edges)]
-        edges += list(zip(chain, chain[1:], strict=False))
-        count += tentacle_edges
-    return text(np.concatenate(nodes), edges, bell.triangles)
 
 
 def text(nodes: np.ndarray, edges: list[tuple[int, int]], triangles: object) -> str:
@@ -88,7 +75,7 @@ def text(nodes: np.ndarray, edges: list[tuple[int, int]], triangles: object) -> 
     return "\n".join(lines) + "\n"
 
 
-MESHES = {"parachute.txt": parachute, "manta_ray.txt": manta_ray, "jellyfish.txt": jellyfish}
+MESHES = {"parachute.txt": parachute, "manta_ray.txt": manta_ray}
 
 if __name__ == "__main__":
     for name, make in MESHES.items():
