@@ -20,13 +20,12 @@ from .vectors import (
     combine_symmetric,
     cross,
     dot,
-    expand,
     norm,
     outer,
     scale,
-    scale_symmetric,
     self_outer,
     skew,
+    spin,
     sym_outer,
 )
 
@@ -84,18 +83,16 @@ def curvature_hessian(pair: Any, kappa: Any, de: Vector, df: Vector, ce: Vector,
     u, w = cross(tf, d), cross(te, d)
     k, k2 = kappa / chi, 2.0 * kappa
     a, b, x = 1.0 / (le * le), 1.0 / (lf * lf), 1.0 / (le * lf)
-    t2 = self_outer(tt)
-    # ee = [2 kappa tt tt^T - S(u, tt) - k (I - te te^T) + S(kb, de)/4] / le^2, ff alike
-    ee = combine_symmetric(a * k2, t2, a * k, self_outer(te))
-    ee = combine_symmetric(1.0, ee, -a, sym_outer(u, tt))
-    ee = add_identity(-a * k, combine_symmetric(1.0, ee, 0.25 * a, sym_outer(kb, de)))
-    ff = combine_symmetric(b * k2, t2, b * k, self_outer(tf))
-    ff = combine_symmetric(1.0, ff, b, sym_outer(w, tt))
-    ff = add_identity(-b * k, combine_symmetric(1.0, ff, 0.25 * b, sym_outer(kb, df)))
-    # ef = [2 kappa tt tt^T - k (I + te tf^T) - u tt^T + tt w^T - [d]x] / (le lf)
-    ef = combine_block(1.0, expand(add_identity(-k, scale_symmetric(k2, t2))), -k, outer(te, tf))
-    ef = combine_block(1.0, ef, -1.0, outer(u, tt))
-    ef = combine_block(x, ef, x, combine_block(1.0, outer(tt, w), -1.0, skew(d)))
+    # S(a, b) = a b^T + b a^T; factors go to vectors, which are smaller than blocks
+    # ee = [S(tt, kappa tt - u) - k (I - te te^T) + S(kb, de)/4] / le^2, ff alike
+    ee = combine_symmetric(a * k, self_outer(te), 1.0, sym_outer(tt, combine(a * kappa, tt, -a, u)))
+    ee = add_identity(-a * k, combine_symmetric(1.0, ee, 1.0, sym_outer(scale(0.25 * a, kb), de)))
+    ff = combine_symmetric(b * k, self_outer(tf), 1.0, sym_outer(tt, combine(b * kappa, tt, b, w)))
+    ff = add_identity(-b * k, combine_symmetric(1.0, ff, 1.0, sym_outer(scale(0.25 * b, kb), df)))
+    # ef = [tt (2 kappa tt + w)^T - u tt^T - k te tf^T - (k I + [d]x)] / (le lf)
+    ef = combine_block(1.0, outer(tt, combine(x * k2, tt, x, w)), 1.0, outer(scale(-x, u), tt))
+    ef = combine_block(1.0, ef, 1.0, outer(scale(-x * k, te), tf))
+    ef = combine_block(1.0, ef, 1.0, spin(-x * k, scale(-x, d)))
     he, hf = 0.5 * dot(kb, ce), 0.5 * dot(kb, cf)
     il, ir = 1.0 / le, 1.0 / lf
     ate = combine(-he * il, tt, il / chi, cross(tf, ce))

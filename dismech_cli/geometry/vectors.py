@@ -183,6 +183,22 @@ def add_identity(s: Any, a: Block) -> Block:
     return (a[0] + s, a[1], a[2], a[3] + s, a[4], a[5] + s)
 
 
+def _spin(s: Any, a: Any) -> Any:
+    out = np.empty((9, a.shape[1]))
+    out[::4] = s
+    out[3], out[2], out[7] = a[2], a[1], a[0]
+    np.negative(a[0], out=out[5])
+    np.negative(a[1], out=out[6])
+    np.negative(a[2], out=out[1])
+    return out
+
+
+@operation(_spin)
+def spin(s: Any, a: Vector) -> Block:
+    """Return s I + the matrix of a x, nine entries by rows."""
+    return (s, -a[2], a[1], a[2], s, -a[0], -a[1], a[0], s)
+
+
 def _skew(a: Any) -> Any:
     out = np.zeros((9, a.shape[1]))
     out[1], out[2], out[5] = -a[2], a[1], -a[0]
