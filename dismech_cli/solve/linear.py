@@ -62,7 +62,7 @@ def checked(
 
 
 class DenseSolver:
-    """LAPACK LU of the full matrix: the fastest below about 40 free DOFs."""
+    """LAPACK LU of the full matrix, for a handful of free DOFs."""
 
     name = "dense"
 

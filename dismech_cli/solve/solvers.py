@@ -15,8 +15,9 @@ LINEAR_SOLVERS: dict[str, Callable[[], LinearSolver]] = {
     "superlu": SuperLuSolver,
 }
 
-# Measured (benchmarks/linear_solvers.py): dense LU wins below this order, a band up to this width.
-DENSE_LIMIT = 24
+# Measured (benchmarks/linear_solvers.py): a band wins up to this width wherever two joints make one, and
+# a matrix below this order is full.
+DENSE_LIMIT = 8
 BAND_LIMIT = 40
 
 
