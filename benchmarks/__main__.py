@@ -6,13 +6,8 @@ them: a single section can be repeated without the others.
 
 from __future__ import annotations
 
-import os
-
-# One thread: read when NumPy, MKL and Numba are first imported.
-for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"):
-    os.environ[_name] = "1"
-
 import argparse
+import os
 import platform
 from importlib import import_module
 from importlib.metadata import version
@@ -27,6 +22,7 @@ SECTIONS = (
     "other_code",
     "start_up",
 )
+THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 HERE = Path(__file__).resolve().parent
 
 
@@ -39,6 +35,8 @@ def main() -> None:
     unknown = set(arguments.sections) - set(SECTIONS)
     if unknown:
         parser.error(f"no section {', '.join(sorted(unknown))}; there are {', '.join(SECTIONS)}")
+    # read when NumPy, MKL and Numba are first imported, which the sections do
+    os.environ.update(dict.fromkeys(THREADS, "1"))
     parts = HERE / "results"
     parts.mkdir(exist_ok=True)
     for name in arguments.sections or SECTIONS:
@@ -53,9 +51,9 @@ def main() -> None:
 def _heading() -> str:
     versions = ", ".join(f"{name} {version(name)}" for name in ("numpy", "scipy", "numba"))
     return (
-        "# Timings\n\nWritten by `python -m benchmarks`. CPU time of one thread, the least of repeated runs, on "
-        f"{_processor()} with Python {platform.python_version()}, {versions}. Other programs ran on the same "
-        "machine: compare ratios, whose two sides were timed in turns.\n"
+        "# Timings\n\nWritten by `python -m benchmarks`. CPU time of one thread, the least of repeated runs, "
+        f"on {_processor()} with Python {platform.python_version()}, {versions}. Other programs ran on "
+        "the same machine: compare ratios, whose two sides were timed in turns.\n"
     )
 
 
