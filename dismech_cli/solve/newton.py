@@ -106,10 +106,12 @@ def _full_steps(
         size = _size(rhs, system)
         if not isfinite(floor + sum(size)):
             return _failed(q, now.residual, free, Status.NOT_FINITE, iterations)
-        # One step more from where rounding of stiff axial forces hides the rest: soft directions,
-        # whose forces are far smaller, are solved by it too.
+        # One step at least, and one more from where rounding of stiff axial forces hides the rest:
+        # soft directions, whose forces are far smaller, are solved by it too. A guess taken as it is
+        # would let slow motion creep to a halt short of its rest.
         at_floor = _small(size, now, system, settings.tolerance, floor)
-        if at_floor and (settled or _small(size, now, system, settings.tolerance, 0.0)):
+        met = iterations > 0 and _small(size, now, system, settings.tolerance, 0.0)
+        if sum(size) == 0.0 or (at_floor and (settled or met)):
             return _done(q, now.residual, free, iterations)
         settled = at_floor
         try:
