@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import BoolArray, FloatArray
+from ..forces.load import DeadLoad
 from ..model.configuration import Configuration
 from ..model.driven import BoundDriven
 from ..model.frames import NoFrames
@@ -55,6 +56,8 @@ class EnergyAccount:
         # once per binding: a check against a protocol costs as much as a term
         self._energies = {term.name: term for term in terms if isinstance(term, BoundEnergy)}
         self._driven = [t for t in terms if isinstance(t, BoundDriven)]
+        steady = {t.name for t in terms if isinstance(t, DeadLoad) and t.law.constant}
+        self._changing = [name for name in self._roles.gravitational if name not in steady]
 
     def start(self, state: State) -> None:
         """Take the stored energy of ``state`` as the zero of the account."""
@@ -151,7 +154,7 @@ class EnergyAccount:
 
     def _book_gravity_change(self, before: State, after: State) -> None:
         """Work of a gravity that changes in time: change of potential at fixed position."""
-        for name in self._roles.gravitational:
+        for name in self._changing:
             change = 0.0
             for state in (before, after):
                 # weight acts on positions: frames need not be transported
