@@ -91,6 +91,8 @@ class System:
         into, w = self._buffers, stage.weights
         into.residual[:] = 0.0
         into.stiffness[:] = self._tangent_of_inertia(w)
+        if self._damped:
+            into.damping[:] = 0.0
         forces, moments = into.residual[: self._split], into.residual[self._split :]
         # squares of norms: a partial sum is as large as the forces that will cancel in the whole
         force = moment = 0.0
@@ -100,8 +102,7 @@ class System:
         if self._mirror is not None:
             lower, upper = self._mirror
             into.stiffness[lower] = into.stiffness[upper]
-        if self._damped:
-            into.damping[:] = 0.0
+            into.damping[lower] = into.damping[upper]
         for term in self._general:
             term.add_linearization(c, into)
             force, moment = max(force, _square(forces)), max(moment, _square(moments))

@@ -1,0 +1,60 @@
+"""The assembled tangent is the derivative of the assembled residual, whatever terms stand together."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import dismech_cli
+from dismech_cli.build.build import build
+from dismech_cli.solve.step import Stepper
+
+DECK = """
+schema_version: 1
+name: tangent
+dimension: 2
+materials: {m: {youngs_modulus: 1 MPa, poisson_ratio: 0.5, density: 1000}}
+geometry:
+  - {type: rod, name: rod, material: m, radius: 4 mm,
+     generate: {shape: line, from: [0, 0, 0], to: [0.1, 0, 0], nodes: 6}}
+motions: [{type: clamp, where: rod.start}]
+forces: [%s]
+numerics: {integrator: {type: %s}, dt: 5 ms, t_end: 1 s}
+"""
+VISCOUS = "{type: viscous, coefficient: 30 N*s/m^2}"
+RESISTIVE = "{type: resistive, tangential: 10 N*s/m^2, normal: 20 N*s/m^2}"
+MOMENT = "{type: moment, where: rod.end, moment: [0, 1 mN*m, 0]}"
+
+
+@pytest.mark.parametrize(
+    "forces", ["", VISCOUS, RESISTIVE, f"{VISCOUS}, {RESISTIVE}", f"{MOMENT}, {VISCOUS}, {RESISTIVE}"]
+)
+@pytest.mark.parametrize("integrator", ["implicit_euler", "implicit_midpoint", "generalized_alpha", "tr_bdf2"])
+def test_tangent_is_the_derivative_of_the_residual(tmp_path: Path, forces: str, integrator: str) -> None:
+    """Central differences: error h^2 and round-off eps/h balance at 1e-8 of the largest entry."""
+    deck = tmp_path / "tangent.yaml"
+    deck.write_text(DECK % (forces, integrator))
+    simulation = build(dismech_cli.load(deck)).simulation
+    stepper = Stepper(simulation.model, simulation.integrator, simulation.newton, "auto")
+    random = np.random.default_rng(1)
+    state = stepper.prepare(stepper.rest_state(random.normal(scale=0.1, size=simulation.model.dofs.n)))
+    stage = simulation.integrator.stage(0, state, state, 5e-3)
+    q = state.q + random.normal(scale=1e-3, size=len(state.q))
+    pattern = stepper.system.pattern
+    values = stepper.system.linearize(stage, q, state.frames).values.copy()
+    tangent = pattern.csr(values).toarray()
+    if pattern.symmetric:
+        tangent += np.triu(tangent, 1).T
+    h = 1e-7
+    difference = np.empty_like(tangent)
+    for column, dof in enumerate(pattern.free):
+        ends = []
+        for sign in (1.0, -1.0):
+            moved = q.copy()
+            moved[dof] += sign * h
+            ends.append(stepper.system.linearize(stage, moved, state.frames).residual[pattern.free].copy())
+        difference[:, column] = (ends[0] - ends[1]) / (2.0 * h)
+    assert_allclose(tangent, difference, atol=3e-8 * np.abs(difference).max())
