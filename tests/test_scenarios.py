@@ -29,6 +29,7 @@ SLOW = {
     "helix_soft",
     "helix_stiff",
     "hemisphere_hang",
+    "jellyfish",
     "manta_ray",
     "parachute",
     "snake",
