@@ -9,34 +9,35 @@ from functools import cache
 import numpy as np
 from scipy.linalg import solveh_banded
 
+from dismech_cli.arrays import FloatArray
 
-def once(action: Callable[[], object]) -> float:
-    """CPU time of one call [s]."""
+
+def in_turns(actions: Sequence[Callable[[], object]], *, seconds: float) -> FloatArray:
+    """CPU time per call of each action in each turn [s], shape (turns, actions).
+
+    The actions take turns, so that load from other programs and changes of the clock rate meet all
+    of them alike; a turn is long enough for the resolution of the process clock. The least time of
+    a column is the cost of an action; two actions are compared by the median of the turns' ratios,
+    because the least times of two columns may be from different clock rates.
+    """
+    calls = [_calls_per_turn(action) for action in actions]
+    turns: list[list[float]] = []
+    started = time.process_time()
+    while len(turns) < 3 or time.process_time() - started < seconds:
+        turns.append([_spent(action, count) / count for action, count in zip(actions, calls, strict=True)])
+    return np.array(turns)
+
+
+def _spent(action: Callable[[], object], count: int) -> float:
     start = time.process_time()
-    action()
+    for _ in range(count):
+        action()
     return time.process_time() - start
 
 
-def alternately(actions: Sequence[Callable[[], object]], *, seconds: float) -> list[float]:
-    """Least CPU time per call of each action [s].
-
-    The actions take turns, so that load from other programs and changes of the clock rate meet all
-    of them alike; a turn is long enough for the resolution of the process clock.
-    """
-    calls = [_calls_per_turn(action) for action in actions]
-    best = [np.inf] * len(actions)
-    started, turns = time.process_time(), 0
-    while turns < 3 or time.process_time() - started < seconds:
-        for index, (action, count) in enumerate(zip(actions, calls, strict=True)):
-            spent = once(lambda action=action, count=count: [action() for _ in range(count)])
-            best[index] = min(best[index], spent / count)
-        turns += 1
-    return best
-
-
-def _calls_per_turn(action: Callable[[], object], turn: float = 2e-3) -> int:
+def _calls_per_turn(action: Callable[[], object], turn: float = 5e-3) -> int:
     action()
-    return max(1, int(turn / max(once(action), 1e-7)))
+    return max(1, int(turn / max(_spent(action, 1), 1e-7)))
 
 
 @cache

@@ -5,13 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from dismech_cli.arrays import FloatArray
 from dismech_cli.output.frame import Frame
 from dismech_cli.run.loop import Progress, run
 from dismech_cli.run.simulation import Simulation
 from dismech_cli.solve.step import Stepper
 
-from .clock import alternately
+from .clock import in_turns
 from .newton_iteration import DT, advance
 from .scenes import cantilever, helix, stepper_of
 from .table import table, verdict
@@ -39,8 +41,8 @@ def overhead(simulation: Simulation, *, seconds: float) -> float:
         stepper: Stepper = stepper_of(simulation)
         advance(stepper, stepper.prepare(stepper.rest_state()), DT, STEPS)
 
-    whole, steps = alternately([lambda: run(simulation, Nowhere()), bare], seconds=seconds)
-    return whole / steps - 1.0
+    turns = in_turns([lambda: run(simulation, Nowhere()), bare], seconds=seconds)
+    return float(np.median(turns[:, 0] / turns[:, 1])) - 1.0
 
 
 def report(quick: bool) -> str:
