@@ -92,8 +92,8 @@ def report(quick: bool) -> str:
             "## Beside PyElastica\n\nCPU time per simulated second, 100 or 101 nodes, both compiled by "
             "Numba. Our step is the largest tried whose tip is within 1 % of its displacement from a run of "
             "far smaller steps; PyElastica's the largest tried that is stable, its error of time "
-            "was not measured. The codes differ in their physics (PyElastica's rods shear, and its clamp is at the "
-            "node), hence the tips apart:",
+            "was not measured. The codes differ in their physics (PyElastica's rods shear, and its clamp "
+            "is at the node), hence the tips apart:",
             table(header, rows),
         )
     )
