@@ -12,7 +12,7 @@ from dismech_cli.arrays import FloatArray
 from dismech_cli.model.dofs import DofMap
 from dismech_cli.model.model import Model
 from dismech_cli.model.term import Coupling, Linearization
-from dismech_cli.solve.inertia import _from_superlu, negative_eigenvalues
+from dismech_cli.solve.inertia import _from_dense, _from_superlu, negative_eigenvalues
 from dismech_cli.solve.linear import FactorizationError
 from dismech_cli.solve.pardiso import InertiaCounter, pardiso_available
 from dismech_cli.solve.pattern import SparsityPattern
@@ -133,10 +133,11 @@ def test_values_that_are_not_finite_raise(name: str, bad: float, place: str, kin
 
 @pytest.mark.parametrize("seed", range(4))
 def test_count_of_negative_eigenvalues(seed: int) -> None:
-    """PARDISO, SuperLU and the dense eigenvalues agree (Sylvester's law of inertia)."""
+    """PARDISO, SuperLU, the full factors and the eigenvalues agree (Sylvester's law of inertia)."""
     pattern, values = system("indefinite", framed_rod(*helix(9), UNEQUAL), seed)
     expected = int((np.linalg.eigvalsh(dense(pattern, values)) < 0.0).sum())
     assert 0 < expected < pattern.m
+    assert _from_dense(pattern, values) == expected
     assert _from_superlu(pattern, values) == expected
     assert negative_eigenvalues(pattern, values) == expected
     if pardiso_available():
@@ -144,6 +145,13 @@ def test_count_of_negative_eigenvalues(seed: int) -> None:
         assert counter.count(values) == expected
         # the same counter again with a definite matrix
         assert counter.count(system("positive", framed_rod(*helix(9), UNEQUAL), seed)[1]) == 0
+
+
+def test_no_count_of_a_matrix_that_is_singular_or_not_finite() -> None:
+    pattern, values = system("positive", framed_rod(*helix(9), UNEQUAL))
+    for wrong in (np.zeros_like(values), np.where(np.arange(len(values)) == 7, np.nan, values)):
+        with pytest.raises(FactorizationError):
+            negative_eigenvalues(pattern, wrong)
 
 
 def test_compressed_rod_has_negative_eigenvalues() -> None:

@@ -51,6 +51,17 @@ def test_duplicate_nodes_at_any_scale(gap: float) -> None:
     validate(_mesh(nodes, edges=[[0, 1], [2, 3]]), "m")
 
 
+@pytest.mark.parametrize("axes", [(0, 1), (0, 2), (1, 2)])
+def test_nodes_are_told_apart_where_their_projections_coincide(axes: tuple[int, int]) -> None:
+    """The search looks at projections on (sqrt 2, sqrt 3, sqrt 5) first: these differ by 1e-17 there."""
+    across = np.zeros(3)
+    across[list(axes)] = np.sqrt((2.0, 3.0, 5.0))[list(axes[::-1])] * (1.0, -1.0)
+    nodes = np.outer(np.arange(4), across)
+    validate(_mesh(nodes, edges=[[0, 1], [1, 2], [2, 3]]), "m")
+    nodes[3] = nodes[1] * (1.0 + 1e-14)
+    _refused(_mesh(nodes, edges=[[0, 1], [2, 3]]), "node 4 is at the same place as node 2")
+
+
 def test_unused_nodes_are_dropped_and_said() -> None:
     nodes = [[0, 0, 0], [5, 5, 5], [1, 0, 0], [0, 0, 0], [2, 0, 0]]
     mesh = _mesh(nodes, edges=[[0, 2], [2, 4]])

@@ -21,6 +21,9 @@ AREA_TOLERANCE = 1e-14
 FOLD_TOLERANCE = 1e-10
 """Neighbours are folded flat when 1 + cos(angle between normals) is below this: 1.4e-5 rad."""
 
+# Unit vector along no edge, plane or diagonal of a regular grid.
+_SKEW = np.sqrt((2.0, 3.0, 5.0)) / np.sqrt(10.0)
+
 
 def validate(mesh: Mesh, where: str, lines: Lines | None = None) -> Mesh:
     """Check a mesh and repair what can be repaired without guessing.
@@ -117,14 +120,24 @@ def _coincident(unit: FloatArray) -> IntArray:
         # A search tree degenerates on many equal points; sorting does not.
         return np.sort(np.stack([order[:-1][same], order[1:][same]], axis=1), axis=1)
 
+    # What lies together also lies together in its projection on any line, and nodes in general do not:
+    # a sort replaces the search tree, whose import alone takes a third of a second.
+    along = unit @ _SKEW
+    order = np.argsort(along)
+    gap = np.diff(along[order]) <= 2.0 * LENGTH_TOLERANCE
+    suspects = order[np.append(gap, False) | np.insert(gap, 0, False)]
+    if not suspects.size:
+        return np.empty((0, 2), dtype=np.int64)
+
     from scipy.spatial import cKDTree
 
     # Two neighbours each, the node itself among them: all pairs could be very many.
-    distance, neighbour = cKDTree(unit).query(unit, k=2, distance_upper_bound=LENGTH_TOLERANCE)
+    points = unit[suspects]
+    distance, neighbour = cKDTree(points).query(points, k=2, distance_upper_bound=LENGTH_TOLERANCE)
     close = np.flatnonzero(np.isfinite(np.asarray(distance)[:, 1]))
     near = np.asarray(neighbour)[close]
     other = np.where(near[:, 0] == close, near[:, 1], near[:, 0])
-    return np.unique(np.sort(np.stack([close, other], axis=1), axis=1), axis=0)
+    return np.unique(np.sort(suspects[np.stack([close, other], axis=1)], axis=1), axis=0)
 
 
 def _check_edges(edges: IntArray, unit: FloatArray, where: str, at: IntArray | None) -> None:

@@ -9,6 +9,9 @@ from .linear import FactorizationError
 from .pardiso import InertiaCounter, pardiso_available
 from .pattern import SparsityPattern
 
+# Up to this order the full matrix is factorised within a millisecond; MKL takes half a second to load.
+_DENSE_LIMIT = 500
+
 
 def negative_eigenvalues(pattern: SparsityPattern, values: FloatArray) -> int:
     """Count negative eigenvalues of a symmetric matrix by its LDL^T factors (Sylvester's law).
@@ -18,11 +21,26 @@ def negative_eigenvalues(pattern: SparsityPattern, values: FloatArray) -> int:
         values: Stored entries, shape (slots,).
 
     Raises:
-        FactorizationError: The matrix is singular.
+        FactorizationError: The matrix is singular or not finite.
     """
+    if pattern.m <= _DENSE_LIMIT:
+        return _from_dense(pattern, values)
     if pardiso_available():
         return InertiaCounter(pattern).count(values)
     return _from_superlu(pattern, values)
+
+
+def _from_dense(pattern: SparsityPattern, values: FloatArray) -> int:
+    """Bunch-Kaufman pivots of the full matrix; a pivot block of two has one negative eigenvalue."""
+    from scipy.linalg.lapack import dsytrf
+
+    full = np.zeros((pattern.m, pattern.m), order="F")
+    full[pattern.rows, pattern.indices] = values[: pattern.nnz]
+    factors, pivots, info = dsytrf(full)
+    if info != 0 or not np.isfinite(factors).all():
+        raise FactorizationError("the matrix is singular or not finite")
+    single = pivots > 0
+    return int((factors.diagonal()[single] < 0.0).sum()) + int((~single).sum()) // 2
 
 
 def _from_superlu(pattern: SparsityPattern, values: FloatArray) -> int:
