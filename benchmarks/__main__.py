@@ -16,6 +16,7 @@ from pathlib import Path
 SECTIONS = (
     "newton_iteration",
     "growth",
+    "shells",
     "run_loop",
     "linear_solvers",
     "integrators",

@@ -38,7 +38,7 @@ class Iteration:
 
     Attributes:
         total: Everything.
-        ratio: Over R(N), median of the turns.
+        ratio: Over the yardstick, median of the turns.
         per_step: Iterations per step.
         parts: Configuration, terms, assembly, factorise, solve, rest.
     """
@@ -52,13 +52,18 @@ class Iteration:
 PARTS = ("configuration", "terms", "assembly", "factorise", "solve", "rest")
 
 
-def measure(simulation: Simulation, nodes: int, *, steps: int, seconds: float) -> Iteration:
-    """Time steps of a scene, after ten steps that bring it into motion."""
+# What one call of the yardstick does, for a scene bound to its matrix and in motion.
+Yard = Callable[[Stepper, State], Callable[[], object]]
+
+
+def measure(simulation: Simulation, yard: Yard, *, steps: int, seconds: float) -> Iteration:
+    """Time steps of a scene in turns with a yardstick, after ten steps that bring it into motion."""
     stepper = stepper_of(simulation)
     start, _ = advance(stepper, stepper.prepare(stepper.rest_state()), DT, 10)
     _, iterations = advance(stepper, start, DT, steps)
     parts, names = _pieces(stepper, start)
-    turns = in_turns([lambda: advance(stepper, start, DT, steps), yardstick(nodes), *parts], seconds=seconds)
+    actions = [lambda: advance(stepper, start, DT, steps), yard(stepper, start), *parts]
+    turns = in_turns(actions, seconds=seconds)
     total = float(turns[:, 0].min()) / iterations
     ratio = float(np.median(turns[:, 0] / turns[:, 1])) / iterations
     times = dict(zip(names, turns[:, 2:].min(axis=0).tolist(), strict=True))
@@ -72,6 +77,11 @@ def measure(simulation: Simulation, nodes: int, *, steps: int, seconds: float) -
         times["solve"],
     ]
     return Iteration(total, ratio, iterations / steps, (*split, total - sum(split)))
+
+
+def banded(nodes: int) -> Yard:
+    """The yardstick R(N) of rods, which is the same for all scenes."""
+    return lambda stepper, start: yardstick(nodes)
 
 
 def advance(stepper: Stepper, state: State, dt: float, steps: int) -> tuple[State, int]:
@@ -118,7 +128,7 @@ def report(quick: bool) -> str:
             for name, scene in SCENES.items():
                 simulation = scene(nodes, kernels=kernels, dt=DT, t_end=1.0)
                 steps = 20 if nodes < 10_000 else 2
-                one = measure(simulation, nodes, steps=steps, seconds=1.0 if quick else 5.0)
+                one = measure(simulation, banded(nodes), steps=steps, seconds=1.0 if quick else 5.0)
                 ratios.append(
                     (
                         kernels,

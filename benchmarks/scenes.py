@@ -23,13 +23,13 @@ def helix(nodes: int, **numerics: object) -> Simulation:
     turns = 3.7 * (nodes - 1) / 99
     shape = {"shape": "helix", "origin": [0, 0, 0], "axis": [0, 0, -1], "radius": 0.02, "pitch": 0.05}
     shape |= {"turns": turns, "handedness": "right", "nodes": nodes}
-    return _built(_falling(shape, dimension=3), numerics)
+    return built(_falling(shape, dimension=3), numerics)
 
 
 def cantilever(nodes: int, *, dimension: int, **numerics: object) -> Simulation:
     """A straight rod of the same wire and edge length: isotropic in space, two DOFs per node in the plane."""
     shape = {"shape": "line", "from": [0, 0, 0], "to": [EDGE * (nodes - 1), 0, 0], "nodes": nodes}
-    return _built(_falling(shape, dimension=dimension), numerics)
+    return built(_falling(shape, dimension=dimension), numerics)
 
 
 def gallery(name: str, overrides: Sequence[str] = ()) -> LoadedScenario:
@@ -56,7 +56,8 @@ def _falling(shape: Mapping[str, object], *, dimension: int) -> dict[str, Any]:
     }
 
 
-def _built(deck: dict[str, Any], numerics: Mapping[str, object]) -> Simulation:
+def built(deck: dict[str, Any], numerics: Mapping[str, object]) -> Simulation:
+    """The simulation of a scenario given as a tree, with these numerics."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "scene.yaml"
         path.write_text(json.dumps(deck | {"numerics": dict(numerics)}), encoding="utf-8")

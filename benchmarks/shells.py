@@ -1,0 +1,131 @@
+"""Cost of a Newton iteration of shells with everything it needs, in units of the yardstick S(T).
+
+S(T) is the time in which PARDISO factorises the scene's own matrix, taken as positive definite and
+analysed before, and solves with it once: the part of an iteration that no care for the rest removes.
+Memory is the peak of a child process that builds the scene and takes one step.
+"""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+from dismech_cli.model.state import State
+from dismech_cli.solve.pardiso import POSITIVE_DEFINITE, Factors
+from dismech_cli.solve.step import Stepper
+
+from .newton_iteration import DT, PARTS, Iteration, advance, measure
+from .scenes import stepper_of
+from .shell_scenes import DIVISIONS, sheet
+from .table import table, verdict
+
+BENDING = ("hinge", "averaged", "midedge")
+# Bars of an iteration with hinges by kernels and triangles, in S(T).
+BARS = {
+    "numba": {1000: 1.6, 10_000: 1.35, 50_000: 1.35},
+    "numpy": {1000: 2.6, 10_000: 1.8, 50_000: 1.8},
+}
+# Bar of an iteration with mid-edge normals, in iterations with hinges.
+MIDEDGE_BAR = 3.0
+
+
+def cholesky(stepper: Stepper, start: State) -> Callable[[], object]:
+    """S(T): factorise and solve with the matrix of the next step."""
+    pattern = stepper.system.pattern
+    stage = stepper.integrator.stage(0, start, start, DT)
+    values = stepper.system.linearize(stage, stage.predictor, start.frames).values[: pattern.nnz].copy()
+    factors, rhs = Factors(POSITIVE_DEFINITE, pattern), np.ones(pattern.m)
+
+    def action() -> None:
+        if not factors.factorize(values):
+            raise RuntimeError("the matrix of the scene is not positive definite")
+        factors.solve(rhs)
+
+    action()  # the analysis
+    return action
+
+
+class SameSteps:
+    """Yardstick of other bending models: the steps of the sheet with hinges."""
+
+    def __init__(self, triangles: int, kernels: str, steps: int) -> None:
+        simulation = sheet(triangles, bending="hinge", kernels=kernels, dt=DT, t_end=1.0)
+        self._stepper = stepper_of(simulation)
+        rest = self._stepper.prepare(self._stepper.rest_state())
+        self._start, _ = advance(self._stepper, rest, DT, 10)
+        self._steps = steps
+        self.iterations = advance(self._stepper, self._start, DT, steps)[1]
+
+    def __call__(self, stepper: Stepper, start: State) -> Callable[[], object]:
+        return lambda: advance(self._stepper, self._start, DT, self._steps)
+
+
+def peak_memory(triangles: int, bending: str) -> tuple[float, float]:
+    """Most memory [MiB] of a process that builds the sheet and takes a step, and before it builds."""
+    code = (
+        "import resource\n"
+        "from benchmarks.shells import stepper_of, sheet, DT\n"
+        "import dismech_cli.model.numba_driver, pypardiso, numba\n"
+        "before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss\n"
+        f"s = stepper_of(sheet({triangles}, bending='{bending}', kernels='numba', dt=DT, t_end=1.0))\n"
+        "s.step(s.prepare(s.rest_state()), DT)\n"
+        "print(before, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        cwd=Path(__file__).resolve().parents[1],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    before, peak = (int(word) / 1024.0 for word in done.stdout.split())  # kilobytes on Linux
+    return peak, before
+
+
+def one_iteration(triangles: int, kernels: str, bending: str, quick: bool) -> tuple[Iteration, str]:
+    """Times of an iteration, and its ratio beside its bar."""
+    simulation = sheet(triangles, bending=bending, kernels=kernels, dt=DT, t_end=1.0)
+    steps = 5 if triangles < 5000 else 1
+    seconds = 1.0 if quick else 10.0
+    if bending == "hinge":
+        one = measure(simulation, cholesky, steps=steps, seconds=seconds)
+        return one, f"{verdict(one.ratio, BARS[kernels][triangles])} S(T)"
+    hinges = SameSteps(triangles, kernels, steps)
+    one = measure(simulation, hinges, steps=steps, seconds=seconds)
+    ratio = one.ratio * hinges.iterations
+    text = verdict(ratio, MIDEDGE_BAR) if bending == "midedge" else f"{ratio:.2f}"
+    return one, f"{text} x hinge"
+
+
+def report(quick: bool) -> str:
+    """Ratios with their bars, the split, and memory."""
+    ratios, splits, memory = [], [], []
+    for kernels in BARS:
+        for triangles in DIVISIONS:
+            for bending in BENDING:
+                print(f"  {kernels} {triangles} {bending}", flush=True)
+                one, ratio = one_iteration(triangles, kernels, bending, quick)
+                ratios.append((kernels, triangles, bending, 1e3 * one.total, ratio, one.per_step))
+                splits.append((kernels, triangles, bending, *[1e3 * part for part in one.parts]))
+    for triangles in DIVISIONS:
+        for bending in BENDING:
+            peak, before = peak_memory(triangles, bending)
+            memory.append((triangles, bending, round(peak), round(peak - before)))
+    return "\n\n".join(
+        (
+            "## Shells\n\nOne Newton iteration, everything included: a square sheet of equilateral triangles "
+            f"of 5 mm, clamped at one side, falls in steps of {1e3 * DT:g} ms (generalised-alpha); membrane "
+            "of constant-strain triangles. S(T) and the steps with hinges are timed in turns with the steps; "
+            "median of the ratios.",
+            table(("kernels", "triangles", "bending", "ms", "ratio", "iterations per step"), ratios),
+            "Where the time goes [ms per iteration], as for rods:",
+            table(("kernels", "triangles", "bending", *PARTS), splits),
+            "Peak memory [MiB] of a process that builds the sheet and takes a step with compiled kernels; "
+            "the second column is what the scene adds to Python with its libraries:",
+            table(("triangles", "bending", "peak", "of the scene"), memory),
+        )
+    )
