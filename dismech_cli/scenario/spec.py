@@ -20,6 +20,8 @@ class Spec(BaseModel):
         validate_by_alias=True,
         validate_by_name=False,
         serialize_by_alias=True,
+        # most classes are only parts of the scenario: compiled with it, not each by itself
+        defer_build=True,
     )
 
 
