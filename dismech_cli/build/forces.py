@@ -24,6 +24,7 @@ from ..scenario.force import (
     Distributed,
     Gravity,
     Hydrodynamic,
+    LineLoad,
     Moment,
     Point,
     Pressure,
@@ -36,7 +37,7 @@ from .geometry import Geometry
 from .inertia import nodal_mass, nodal_volume
 from .laws import ToLaw, components, vanishes
 from .selection import select_nodes
-from .shell_forces import shell_drag, shell_load
+from .shell_forces import line_lengths, shell_drag, shell_load
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,6 +102,11 @@ def build_forces(
                 once = np.bincount(nodes, minlength=dofs.n_nodes).astype(np.float64)
                 vector = components(force.force, laws)
                 loads += _loads(loaded, dofs, name, (index, "force"), vector, once)
+            case LineLoad():
+                path = ("forces", index, "where")
+                length = line_lengths(loaded, geometry, dofs.n_nodes, force.where, path)
+                vector = components(force.force_per_length, laws)
+                loads += _loads(loaded, dofs, name, (index, "force_per_length"), vector, length)
             case Distributed():
                 length = _nodal(geometry, dofs.n_nodes, _selected(geometry, force.rods))
                 vector = components(force.force_per_length, laws)

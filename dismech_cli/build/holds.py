@@ -10,13 +10,15 @@ import numpy as np
 from ..arrays import IntArray
 from ..model.laws import Constant, Law
 from ..scenario.load import LoadedScenario
-from ..scenario.motion import Clamp, Pin, Twist
+from ..scenario.motion import Clamp, Pin, Symmetry, Twist
 from .geometry import Geometry
 from .laws import ToLaw, components, vanishes
 from .selection import select_edges, select_nodes
 
 ZERO = Constant(0.0)
 AXES = "xyz"
+# Nodes of a plane of symmetry lie in it to this fraction of the size of the scene.
+_FLAT = 1e-9
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,7 +35,8 @@ class Hold:
         walls: Nodes of ``nodes`` where a wall edge continues the rod: clamps at a single node.
         rigid: Edges that are rigid because both their nodes are clamped at the node: only the
             free half of a joint next to them bends.
-        sloped: Nodes between which the normals of shell edges are held too: those of a clamp.
+        sloped: Nodes between which the normals of shell edges are held too: those of a clamp or of a
+            plane of symmetry.
         release: Time [s] of release.
     """
 
@@ -56,7 +59,8 @@ def resolve_holds(loaded: LoadedScenario, geometry: Geometry, laws: ToLaw) -> tu
     """Resolve all motions of the scenario.
 
     Raises:
-        ScenarioError: A selection is empty, or a clamp at a node has no single rod end.
+        ScenarioError: A selection is empty, a clamp at a node has no single rod end, or a plane of
+            symmetry is not flat or holds what has no mid-edge normals.
     """
     holds = []
     for index, motion in enumerate(loaded.scenario.motions):
@@ -64,6 +68,11 @@ def resolve_holds(loaded: LoadedScenario, geometry: Geometry, laws: ToLaw) -> tu
         name = f"motions[{index}]"
         release = inf if motion.release is None else motion.release
         match motion:
+            case Symmetry():
+                nodes = select_nodes(loaded, geometry, motion.where, path)
+                axis = _mirror_axis(loaded, geometry, motion, path, nodes)
+                zeros = (ZERO, ZERO, ZERO)
+                holds.append(Hold(name, nodes, (axis,), zeros, _NONE, ZERO, _NONE, _NONE, nodes, release))
             case Clamp():
                 nodes = select_nodes(loaded, geometry, motion.where, path)
                 displacement = _displacement(motion.displacement, laws)
@@ -105,6 +114,31 @@ def _displacement(specs: object, laws: ToLaw) -> tuple[Law, Law, Law]:
         return ZERO, ZERO, ZERO
     x, y, z = components(specs, laws)  # type: ignore[arg-type]
     return x, y, z
+
+
+def _mirror_axis(
+    loaded: LoadedScenario,
+    geometry: Geometry,
+    motion: Symmetry,
+    path: tuple[str | int, ...],
+    nodes: IntArray,
+) -> int:
+    """Axis across a plane of symmetry, once the nodes are found to be in one plane and on fit shells."""
+    axis = AXES.index(motion.normal)
+    depth = float(np.ptp(geometry.nodes[nodes, axis]))
+    if depth > _FLAT * float(np.ptp(geometry.nodes, axis=0).max()):
+        raise loaded.error(
+            path, f"selects nodes up to {depth:.3g} m apart in {motion.normal}; a plane of symmetry is flat"
+        )
+    fit = [k for k, shell in enumerate(geometry.shells) if shell.bending == "midedge"]
+    others = geometry.triangles[~np.isin(geometry.triangle_shell, fit)]
+    if np.isin(nodes, others).any():
+        raise loaded.error(
+            path, "symmetry needs mid-edge normals; with other bending, model the mirror image too"
+        )
+    if not np.isin(nodes, geometry.triangles).all():
+        raise loaded.error(path, "selects a node of a rod; symmetry is for shells")
+    return axis
 
 
 def _clamp(

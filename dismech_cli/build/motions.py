@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import inf
+
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
@@ -25,15 +27,21 @@ def build_motions(
     """Hold node positions, edge angles, mid-edge normals, and the walls behind clamped rod ends.
 
     Raises:
-        ScenarioError: A motion leaves the plane of a planar scene, or two motions hold one DOF.
+        ScenarioError: A motion leaves the plane of a planar scene, or two motions hold one DOF and do
+            not both keep it at rest for good.
     """
     dofs, rest = numbering.dofs, numbering.rest
     n_nodes = len(skeleton.positions) - len(skeleton.wall_nodes)
     n_edges = len(skeleton.edges) - len(skeleton.wall_nodes)
     motions: list[Motion] = []
     owner = np.full(dofs.n, -1)
+    resting = np.zeros(dofs.n, dtype=np.bool_)
 
     def hold(index: int, label: str, held: IntArray, law: Law, release: float) -> None:
+        if vanishes(law) and release == inf:
+            # sides that meet at a corner may both hold it
+            held = held[~resting[held]]
+            resting[held] = True
         if held.size == 0:
             return
         rival = owner[held].max()

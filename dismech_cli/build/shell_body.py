@@ -10,14 +10,21 @@ import numpy as np
 
 from ..arrays import FloatArray
 from ..errors import MeshError
-from ..mesh import generate_shell
+from ..mesh import generate_curved, generate_shell
 from ..mesh.generate_shell import Pattern
 from ..mesh.mesh import Mesh
 from ..mesh.read import read_mesh
 from ..mesh.topology_shell import shell_edges
 from ..scenario.geometry import Shell, SurfaceFile
 from ..scenario.material import Material
-from ..scenario.surface import AnnulusSurface, DiscSurface, HemisphereSurface, SheetSurface
+from ..scenario.surface import (
+    AnnulusSurface,
+    CylinderSurface,
+    DiscSurface,
+    HemisphereSurface,
+    SheetSurface,
+    SphereSurface,
+)
 from .body import BodyMesh, part_of_file
 
 
@@ -90,6 +97,14 @@ def _generated(shell: Shell) -> Mesh:
             rings = len(s.polar_angles or ()) or s.rings or 1
             mesh = generate_shell.hemisphere(s.radius, rings, polar_angles=s.polar_angles, counts=s.counts)
             return _placed(mesh, s.center, _about(s.axis))
+        case CylinderSurface() as s:
+            mesh = generate_curved.cylinder(s.radius, s.length, s.angle, s.divisions, Pattern(s.pattern))
+            return _placed(mesh, s.origin, _started(s.axis, s.start))
+        case SphereSurface() as s:
+            first, last = s.polar
+            pattern = Pattern(s.pattern)
+            mesh = generate_curved.sphere(s.radius, (first, last), s.angle, s.divisions, pattern)
+            return _placed(mesh, s.center, _started(s.axis, s.start))
         case None:
             raise AssertionError("the schema asks for generate or mesh")
 
@@ -106,6 +121,12 @@ def _spanned(axes: Sequence[Sequence[float]]) -> FloatArray:
     second -= (second @ first) * first
     second /= np.linalg.norm(second)
     return np.stack((first, second, np.cross(first, second)))
+
+
+def _started(axis: Sequence[float], start: Sequence[float]) -> FloatArray:
+    """Right-handed axes: the third given, the first made normal to it."""
+    third, first, second = _spanned((axis, start))
+    return np.stack((first, second, third))
 
 
 def _about(normal: Sequence[float]) -> FloatArray:

@@ -12,12 +12,16 @@ from ..forces.hydrodynamic import area_damping, hydrodynamic_drag
 from ..forces.pressure import pressure
 from ..forces.thrust import thrust
 from ..model.dofs import DofMap
-from ..model.shell import nodal_areas
+from ..model.mass import nodal_lengths
+from ..model.shell import edge_lengths, nodal_areas
 from ..model.term import Term
 from ..scenario.force import Aerodynamic, AreaDamping, Hydrodynamic, Pressure, Thrust
+from ..scenario.load import LoadedScenario
+from ..scenario.selection import Selection
 from .geometry import Geometry
 from .inertia import nodal_mass
 from .laws import ToLaw
+from .selection import KeyPath, select_nodes
 
 
 def shell_drag(
@@ -79,6 +83,22 @@ def shell_load(
                 direction=np.array(force.direction),
                 shares=shares,
             )
+
+
+def line_lengths(
+    loaded: LoadedScenario, geometry: Geometry, n_nodes: int, where: Selection, path: KeyPath
+) -> FloatArray:
+    """Half the length of every shell edge between selected nodes at each of its ends [m], (n_nodes,).
+
+    Raises:
+        ScenarioError: It selects no edge.
+    """
+    nodes = select_nodes(loaded, geometry, where, path)
+    sides = np.sort(geometry.triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    edges = np.unique(sides[np.isin(sides, nodes).all(axis=1)], axis=0)
+    if edges.size == 0:
+        raise loaded.error(path, "selects no edge of a shell")
+    return nodal_lengths(n_nodes, edges, edge_lengths(geometry.nodes, edges))
 
 
 def _selected(geometry: Geometry, names: Sequence[str] | None) -> IntArray:

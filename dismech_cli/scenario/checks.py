@@ -36,6 +36,8 @@ SURFACE_GROUPS = {
     "disc": ("center", "rim"),
     "annulus": ("inner", "outer"),
     "hemisphere": ("apex", "rim"),
+    "cylinder": ("left", "right", "bottom", "top", "rim"),
+    "sphere": ("left", "right", "bottom", "top", "rim"),
 }
 
 

@@ -40,6 +40,14 @@ class Point(Spec):
     force: ForceLaws = Field(description="Force on each node.")
 
 
+class LineLoad(Spec):
+    """A force per length on the edges of shells between selected nodes, such as a side of a sheet."""
+
+    type: Literal["line"] = Field(description="Kind of load.")
+    where: Selection = Field(description="Nodes; an edge with both ends among them is loaded.")
+    force_per_length: ForcePerLengthLaws = Field(description="Force per rest length, of fixed direction.")
+
+
 class Moment(Spec):
     """A moment on each selected end or node of a rod."""
 
@@ -122,6 +130,7 @@ Force: TypeAlias = Annotated[
     Gravity
     | Buoyancy
     | Point
+    | LineLoad
     | Moment
     | Distributed
     | Viscous

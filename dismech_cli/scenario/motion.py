@@ -59,7 +59,24 @@ class Twist(Spec):
     release: Time | None = Field(default=None, description="Time at which it lets go; default: never.")
 
 
-Motion: TypeAlias = Annotated[Clamp | Pin | Twist, Field(discriminator="type")]
+class Symmetry(Spec):
+    """Makes a plane one of mirror symmetry for the shells in it, of which the scene has the part on one side.
+
+    Nodes stay in the plane, and so do the mid-edge normals of the edges between them. Forces on these nodes
+    are shared with the mirror image. Bending other than `midedge` needs the whole structure.
+    """
+
+    type: Literal["symmetry"] = Field(description="Kind of motion.")
+    where: Selection = Field(description="Nodes in the plane.")
+    normal: Literal["x", "y", "z"] = Field(description="Axis across the plane.")
+
+    @property
+    def release(self) -> float | None:
+        """Never: the mirror image stays."""
+        return None
+
+
+Motion: TypeAlias = Annotated[Clamp | Pin | Twist | Symmetry, Field(discriminator="type")]
 
 
 class VelocityFile(Spec):

@@ -13,7 +13,14 @@ from .numerics import Static
 from .schema import Scenario
 from .section import GivenSection, RectangularSection, RoundSection, TubeSection
 from .shape import Arc, Helix, Line, Polyline
-from .surface import AnnulusSurface, DiscSurface, HemisphereSurface, SheetSurface
+from .surface import (
+    AnnulusSurface,
+    CylinderSurface,
+    DiscSurface,
+    HemisphereSurface,
+    SheetSurface,
+    SphereSurface,
+)
 
 SOFTEST, STIFFEST = 1e3, 1.3e12  # [Pa] jelly, diamond
 LIGHTEST, HEAVIEST = 1.0, 23e3  # [kg/m^3] aerogel, osmium
@@ -87,6 +94,10 @@ def _size(shell: Shell) -> float | None:
             return 2 * radius
         case AnnulusSurface(inner_radius=inner, outer_radius=outer):
             return outer - inner
+        case CylinderSurface(length=length, radius=radius, angle=angle):
+            return min(length, radius * angle)
+        case SphereSurface(radius=radius, polar=(first, last), angle=angle):
+            return radius * min(last - first, angle)
         case _:
             return None
 

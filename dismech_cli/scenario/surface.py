@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from itertools import pairwise
+from math import pi
 from typing import Annotated, Literal, TypeAlias
 
 from annotated_types import Len
 from pydantic import Field, Strict, field_validator, model_validator
 
-from .quantity import Angle, DirectionTriple, LengthTriple, PositiveLength, Triple
+from .quantity import Angle, DirectionTriple, LengthTriple, PositiveLength, Quantity, Triple
 from .spec import Spec, problem
 
 Divisions: TypeAlias = Annotated[int, Field(ge=1, le=100_000)]
@@ -17,7 +18,17 @@ Counts: TypeAlias = Annotated[
 ]
 Axes: TypeAlias = Annotated[tuple[DirectionTriple, ...], Len(2, 2), Strict(False)]
 
+PatternName: TypeAlias = Literal["equilateral", "right", "alternating", "unstructured"]
+# 360 degrees in radians carries a rounding error.
+FullTurn: TypeAlias = Annotated[float, Quantity("angle", gt=0, le=2.0 * pi * (1.0 + 1e-12))]
+
+_X: Triple = (1.0, 0.0, 0.0)
 _Z: Triple = (0.0, 0.0, 1.0)
+_LAID = (
+    "How the triangles are laid; `right` has all diagonals the same way, `alternating` every other one, "
+    "`unstructured` no preferred direction."
+)
+_START = "Direction from the axis to `bottom`, made normal to the axis."
 _COUNTS = Field(default=None, description="Nodes of each circle; default: about equilateral triangles.")
 _NORMAL = Field(default=_Z, description="Direction of the normals.")
 
@@ -30,11 +41,7 @@ class SheetSurface(Spec):
     length: PositiveLength = Field(description="Size along the first axis, from `left` to `right`.")
     width: PositiveLength = Field(description="Size along the second axis, from `bottom` to `top`.")
     divisions: Divisions = Field(description="Number of edges along the length; the width follows.")
-    pattern: Literal["equilateral", "right", "alternating", "unstructured"] = Field(
-        default="equilateral",
-        description="How the triangles are laid; `right` has all diagonals the same way, `alternating` "
-        "every other one, `unstructured` no preferred direction.",
-    )
+    pattern: PatternName = Field(default="equilateral", description=_LAID)
     axes: Axes = Field(
         default=((1.0, 0.0, 0.0), (0.0, 1.0, 0.0)),
         description="Directions of length and width; the second is made normal to the first. The normals "
@@ -44,10 +51,7 @@ class SheetSurface(Spec):
     @field_validator("axes")
     @classmethod
     def _spanning(cls, axes: tuple[Triple, ...]) -> tuple[Triple, ...]:
-        a, b = axes
-        cross = sum((a[i - 2] * b[i - 1] - a[i - 1] * b[i - 2]) ** 2 for i in range(3))
-        if cross <= 1e-18 * sum(x * x for x in a) * sum(x * x for x in b):
-            raise problem("the two axes of a sheet must not be parallel")
+        _not_parallel(axes[0], axes[1], "two axes of a sheet")
         return axes
 
 
@@ -108,6 +112,63 @@ class HemisphereSurface(Spec):
         return self
 
 
+class CylinderSurface(Spec):
+    """A sheet rolled around an axis, normals outward.
+
+    Its groups are `left` and `right` (the arcs), `bottom` and `top` (the first and last straight side, one
+    seam of a full tube) and `rim`.
+    """
+
+    shape: Literal["cylinder"] = Field(description="Kind of surface.")
+    origin: LengthTriple = Field(description="Point of the axis at `left`.")
+    axis: DirectionTriple = Field(default=_Z, description="From `left` to `right`.")
+    start: DirectionTriple = Field(default=_X, description=_START)
+    radius: PositiveLength = Field(description="Its radius.")
+    length: PositiveLength = Field(description="Size along the axis.")
+    angle: FullTurn = Field(default=2.0 * pi, description="Angle from `bottom` to `top`; 360 deg: a tube.")
+    divisions: Divisions = Field(description="Number of edges along the axis; those around follow.")
+    pattern: PatternName = Field(default="equilateral", description=_LAID)
+
+    @model_validator(mode="after")
+    def _sound(self) -> CylinderSurface:
+        _not_parallel(self.axis, self.start, "axis and start of a cylinder")
+        return self
+
+
+class SphereSurface(Spec):
+    """The part of a sphere between two parallels, normals outward, all around or between two meridians.
+
+    Its groups are `left` and `right` (the parallels), `bottom` and `top` (the meridians, one seam if it
+    goes all around) and `rim`.
+    """
+
+    shape: Literal["sphere"] = Field(description="Kind of surface.")
+    center: LengthTriple = Field(description="Its centre.")
+    axis: DirectionTriple = Field(default=_Z, description="From the centre to the pole.")
+    start: DirectionTriple = Field(default=_X, description=_START)
+    radius: PositiveLength = Field(description="Its radius.")
+    polar: Annotated[tuple[Angle, ...], Len(2, 2), Strict(False)] = Field(
+        description="Angles of `left` and `right` from the axis, ascending, between 0 and a half turn."
+    )
+    angle: FullTurn = Field(default=2.0 * pi, description="Angle from `bottom` to `top`.")
+    divisions: Divisions = Field(description="Number of edges along a meridian; those around follow.")
+    pattern: PatternName = Field(default="equilateral", description=_LAID)
+
+    @model_validator(mode="after")
+    def _sound(self) -> SphereSurface:
+        _not_parallel(self.axis, self.start, "axis and start of a sphere")
+        if not 0.0 < self.polar[0] < self.polar[1] < pi:
+            raise problem("the polar angles of a sphere must increase and lie between 0 and a half turn")
+        return self
+
+
 Surface: TypeAlias = Annotated[
-    SheetSurface | DiscSurface | AnnulusSurface | HemisphereSurface, Field(discriminator="shape")
+    SheetSurface | DiscSurface | AnnulusSurface | HemisphereSurface | CylinderSurface | SphereSurface,
+    Field(discriminator="shape"),
 ]
+
+
+def _not_parallel(a: Triple, b: Triple, what: str) -> None:
+    cross = sum((a[i - 2] * b[i - 1] - a[i - 1] * b[i - 2]) ** 2 for i in range(3))
+    if cross <= 1e-18 * sum(x * x for x in a) * sum(x * x for x in b):
+        raise problem(f"the {what} must not be parallel")
