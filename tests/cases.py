@@ -8,11 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from dismech_cli.arrays import FloatArray, IntArray
-from dismech_cli.energies.bend_framed import BEND_FRAMED
 from dismech_cli.energies.bend_isotropic import BEND_ISOTROPIC
 from dismech_cli.energies.bend_planar import BEND_PLANAR
+from dismech_cli.energies.bend_twist import BEND_TWIST
 from dismech_cli.energies.stretch import STRETCH, STRETCH_PLANAR
-from dismech_cli.energies.twist import TWIST
 from dismech_cli.forces.gravity import weight
 from dismech_cli.forces.load import DeadLoad
 from dismech_cli.forces.moment import EdgeMoment
@@ -244,14 +243,16 @@ def framed_rod(
             _constants(0.0, rod.axial, lengths, count=n_edges),
         ),
         StencilEnergy(
-            "bend",
-            BEND_FRAMED,
+            "bend_twist",
+            BEND_TWIST,
             joint_dofs,
             _constants(
                 kappa[0],
                 kappa[1],
+                stored.reference_twist,
                 rod.bending_1,
                 rod.bending_2,
+                rod.torsional,
                 voronoi,
                 signs[:, 0],
                 signs[:, 1],
@@ -259,14 +260,7 @@ def framed_rod(
                 0.0,
                 count=count,
             ),
-            np.stack(director_of, axis=1),
-        ),
-        StencilEnergy(
-            "twist",
-            TWIST,
-            joint_dofs,
-            _constants(stored.reference_twist, rod.torsional, voronoi, signs[:, 0], signs[:, 1], count=count),
-            (6 * n_edges + np.arange(count))[:, None],
+            np.stack((*director_of, 6 * n_edges + np.arange(count)), axis=1),
         ),
     )
     return _assemble(dofs, nodes, edges, rod, terms, frames, driver)
@@ -284,6 +278,23 @@ def material_curvatures(triples: FloatArray, m1: FloatArray, m2: FloatArray) -> 
     te, tf = (x / np.linalg.norm(x, axis=1)[:, None] for x in (e, f))
     binormal = 2.0 * np.cross(te, tf) / (1.0 + (te * tf).sum(axis=1))[:, None]
     return 0.5 * (binormal * m2.sum(axis=1)).sum(axis=1), -0.5 * (binormal * m1.sum(axis=1)).sum(axis=1)
+
+
+def only_bending(term: StencilEnergy) -> StencilEnergy:
+    """A framed joint without resistance to twist."""
+    return _without(term, [5])
+
+
+def only_twist(term: StencilEnergy) -> StencilEnergy:
+    """A framed joint without resistance to bending."""
+    return _without(term, [3, 4])
+
+
+def _without(term: StencilEnergy, rows: list[int]) -> StencilEnergy:
+    assert term.kernel is BEND_TWIST
+    parameters = term.parameters.copy()
+    parameters[rows] = 0.0
+    return replace(term, parameters=parameters)
 
 
 MODELS: dict[str, Callable[..., Model]] = {
@@ -419,10 +430,12 @@ def term_cases() -> dict[str, TermCase]:
         "stretch_planar": _of(planar, "stretch"),
         "bend_planar": _of(planar, "bend"),
         "bend_isotropic": _of(space, "bend"),
-        "bend_framed": _of(curved, "bend"),
-        "bend_framed_network": _of(network, "bend"),
-        "twist": _of(curved, "twist"),
-        "twist_network": _of(network, "twist"),
+        "bend_twist": _of(curved, "bend_twist"),
+        "bend_twist_network": _of(network, "bend_twist"),
+        "bend_framed": TermCase(only_bending(energy_of(curved, "bend_twist")), curved),
+        "bend_framed_network": TermCase(only_bending(energy_of(network, "bend_twist")), network),
+        "twist": TermCase(only_twist(energy_of(curved, "bend_twist")), curved),
+        "twist_network": TermCase(only_twist(energy_of(network, "bend_twist")), network),
         "dead_load": _with(planar, _dead_load),
         "viscous": _with(space, _viscous),
         "resistive": _with(space, _resistive(chain5)),

@@ -165,7 +165,7 @@ def _check_residual(
 
 def complex_gradient(kernel: Kernel, y: FloatArray, a: FloatArray, p: FloatArray) -> FloatArray:
     """dE/dy of one stencil by complex steps: exact to round-off, no step to choose."""
-    return _complex(lambda z: [kernel.function(z, tuple(a), tuple(p))[0]], y)[0]
+    return _complex(lambda z: [np.sum(kernel.function(z, tuple(a), tuple(p))[0])], y)[0]
 
 
 def complex_hessian(kernel: Kernel, y: FloatArray, a: FloatArray, p: FloatArray) -> FloatArray:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -16,6 +17,8 @@ from cases import (
     energy_of,
     framed_rod,
     isotropic_rod,
+    only_bending,
+    only_twist,
     planar_rod,
     term_cases,
 )
@@ -23,11 +26,10 @@ from derivatives import Probe, assert_derivatives, complex_gradient, complex_hes
 from numpy.testing import assert_allclose
 
 from dismech_cli.arrays import FloatArray
-from dismech_cli.energies.bend_framed import BEND_FRAMED
 from dismech_cli.energies.bend_isotropic import BEND_ISOTROPIC
 from dismech_cli.energies.bend_planar import BEND_PLANAR
+from dismech_cli.energies.bend_twist import BEND_TWIST
 from dismech_cli.energies.stretch import STRETCH, STRETCH_PLANAR
-from dismech_cli.energies.twist import TWIST
 from dismech_cli.model.model import Model
 from dismech_cli.model.stencil import Kernel, StencilEnergy
 
@@ -95,17 +97,18 @@ def test_random_framed_states_have_reference_twist() -> None:
     assert np.abs(adapted(case.model, disturbed(case.model, 1)).reference_twist).min() > 0.01
 
 
-def _stressed(model: Model, name: str) -> StencilEnergy:
-    """The named energy with natural strains off by 0.3, so that no Hessian term is multiplied by zero."""
-    term = energy_of(model, name)
+def _stressed(term: StencilEnergy) -> StencilEnergy:
+    """The energy with natural strains off by 0.3, so that no Hessian term is multiplied by zero."""
     parameters = term.parameters.copy()
     parameters[: term.kernel.naturals] += 0.3
     return replace(term, parameters=parameters)
 
 
-@pytest.mark.parametrize("name", ["bend", "twist"])
+@pytest.mark.parametrize("part", [only_bending, only_twist], ids=["bending", "twist"])
 @pytest.mark.parametrize(("e", "f"), edge_pairs())
-def test_framed_derivatives_at_degenerate_states(name: str, e: FloatArray, f: FloatArray) -> None:
+def test_framed_derivatives_at_degenerate_states(
+    part: Callable[[StencilEnergy], StencilEnergy], e: FloatArray, f: FloatArray
+) -> None:
     """Third-order remainder of the energy, frames stored at the twisted and bent state."""
     nodes = np.stack((np.zeros(3), e, e + f))
     model = framed_rod(nodes, np.array([[0, 1], [2, 1]]), UNEQUAL)
@@ -115,7 +118,7 @@ def test_framed_derivatives_at_degenerate_states(name: str, e: FloatArray, f: Fl
     # At 170 degrees the energy has a pole 0.17 rad away: stay well inside.
     cosine = e @ f / np.linalg.norm(e) / np.linalg.norm(f)
     assert_derivatives(
-        _stressed(model, name),
+        _stressed(part(energy_of(model, "bend_twist"))),
         lambda q, v: configuration(model, q, v, stored),
         q,
         np.zeros_like(q),
@@ -146,7 +149,7 @@ def _assert_kernel(kernel: Kernel, y: FloatArray, a: FloatArray, p: FloatArray, 
 
 @pytest.mark.parametrize(("e", "f"), edge_pairs())
 @pytest.mark.parametrize(
-    "kernel", [BEND_ISOTROPIC, BEND_PLANAR, BEND_FRAMED], ids=lambda k: k.function.__name__
+    "kernel", [BEND_ISOTROPIC, BEND_PLANAR, BEND_TWIST], ids=lambda k: k.function.__name__
 )
 def test_bending_kernels_by_complex_step(kernel: Kernel, e: FloatArray, f: FloatArray) -> None:
     """To first order the directors turn only along the tangent, so they may be held in the gradient."""
@@ -161,10 +164,11 @@ def test_bending_kernels_by_complex_step(kernel: Kernel, e: FloatArray, f: Float
             m1 = np.cross(t, [0.3, 0.5, -0.7])
             m1 /= np.linalg.norm(m1)
             directors += [*m1, *(sign * np.cross(t, m1))]
+    directors += [0.0] * (kernel.auxiliaries - len(directors))
     p = {
         "bend_planar": [0.4, 1.7, 0.9],
         "bend_isotropic": [1.7, 0.9],
-        "bend_framed": [0.4, -0.2, 1.7, 0.6, 0.9, 1.0, -1.0, np.cos(0.3), np.sin(0.3)],
+        "bend_twist": [0.4, -0.2, 0.0, 1.7, 0.6, 0.0, 0.9, 1.0, -1.0, np.cos(0.3), np.sin(0.3)],
     }
     _assert_kernel(kernel, y, np.array(directors), np.array(p[kernel.function.__name__]), 2 * d)
 
@@ -177,11 +181,16 @@ def test_stretching_kernels_by_complex_step(kernel: Kernel, length: float) -> No
 
 
 def test_twist_kernel_angles_by_complex_step() -> None:
-    """The angles enter the twist directly; the positions through the reference twist, tested above."""
+    """The angles enter the twist directly; the positions through the reference twist, tested above.
+
+    They enter the bending through the directors, which do not turn here: it has no stiffness.
+    """
     y = np.array([1.0, 0.2, -0.1, 0.3, 0.9, 0.4, 0.5, -1.1])
-    a, p = np.array([0.7]), np.array([0.2, 1.3, 0.8, 1.0, -1.0])
-    gradient = np.array(TWIST.function(tuple(y), tuple(a), tuple(p))[1])
-    assert_allclose(complex_gradient(TWIST, y, a, p)[6:], gradient[6:], rtol=1e-14)
+    a = np.array([0.0, 0.0, 1.0, 0.0, -1.0, 0.0] * 2 + [0.7])
+    p = np.array([0.0, 0.0, 0.2, 0.0, 0.0, 1.3, 0.8, 1.0, -1.0, 1.0, 0.0])
+    gradient = np.array(BEND_TWIST.function(tuple(y), tuple(a), tuple(p))[1])
+    assert np.abs(gradient[6:]).min() > 0.1
+    assert_allclose(complex_gradient(BEND_TWIST, y, a, p)[6:], gradient[6:], rtol=1e-14)
 
 
 # ---------------------------------------------------------------- closed forms
@@ -221,7 +230,7 @@ def test_curvature_signs_of_the_framed_rod() -> None:
     for direction, stiffness, natural in (([0, 0, 1.0], 0.7, 0), ([0, -1.0, 0], 1.9, 1)):
         q = model.rest.copy()
         q[6:9] = np.add([1.0, 0.0, 0.0], direction)
-        term = energy_of(model, "bend")
+        term = energy_of(model, "bend_twist")
         parameters = term.parameters.copy()
         parameters[natural] = 0.5
         c = configuration(model, q, np.zeros_like(q), model.frames.rest(model.rest))

@@ -149,7 +149,7 @@ def test_material_twist_of_a_hundred_turns() -> None:
     q = model.rest.copy()
     q[-1] = 200.0 * np.pi
     c = configuration(model, q, np.zeros_like(q), model.frames.rest(model.rest))
-    energy = Probe.of(energy_of(model, "twist"), model, NUMPY).energy(c)
+    energy = Probe.of(energy_of(model, "bend_twist"), model, NUMPY).energy(c)
     assert_allclose(energy, 0.5 * UNEQUAL.torsional * (200.0 * np.pi) ** 2, rtol=1e-13)
 
 

@@ -109,7 +109,7 @@ def build(
         for name, e in scenario.expect.items()
     }
     roles = Roles(
-        elastic=tuple(t.name for t in elastic),
+        elastic=tuple(name for t in elastic for name in t.shares),
         gravitational=tuple(t.name for t in forces.gravitational),
         loads=tuple(t.name for t in forces.loads),
         dissipative=tuple(t.name for t in forces.dissipative),

@@ -118,7 +118,7 @@ def _bending_moment(scene: Scene) -> made.Field:
         measure = made.MaterialCurvatures(
             joints.triples,
             rods.bending_stiffness,
-            rods.bending.natural,
+            rods.bending.natural[:2],
             rods.auxiliary_indices,
             joints.signs,
             np.arctan2(sine, cosine),

@@ -14,7 +14,8 @@ from .plan import Bending, Plan
 from .rods import RodSystem
 from .skeleton import Skeleton
 
-ROWS = {"curvature_1": 0, "curvature_2": 1, "twist": 0}
+# Rows of natural strains: of an edge, of a framed joint.
+ROWS = {"stretch": 0, "curvature_1": 0, "curvature_2": 1, "twist": 2}
 
 
 def build_rod_elastic(
@@ -25,7 +26,8 @@ def build_rod_elastic(
     Raises:
         ScenarioError: An actuation acts out of plane, or its joints do not exist.
     """
-    drives: dict[str, list[Drive]] = {"stretch": [], "bending": [], "twist": []}
+    of_edges: list[Drive] = []
+    of_joints: list[Drive] = []
     for index, actuation in enumerate(loaded.scenario.actuation):
         if isinstance(actuation, DihedralActuation):
             continue
@@ -48,17 +50,16 @@ def build_rod_elastic(
                 raise loaded.error((*path, "joints"), f"rod '{actuation.rod}' has {count}, counted from 0")
             chosen = (number >= first) & (number <= last)
             stencils, places, factors = stencils[chosen], places[chosen], factors[chosen]
-        row = ROWS.get(actuation.type, 0)
-        target = actuation.type if actuation.type in ("stretch", "twist") else "bending"
+        row = ROWS[actuation.type]
         if plan.bending is Bending.PLANAR and actuation.type != "stretch":
             component, sign = rods.in_plane[rod]
             if actuation.type == "twist" or row != component:
                 raise loaded.error((*path, "type"), f"{actuation.type} acts out of the plane of the scene")
             row, factors = 0, sign * factors
-        drives[target].append(Drive(row, stencils, law, places, factors))
-    energies = (rods.stretch, rods.bending, rods.twist)
+        drives = of_edges if actuation.type == "stretch" else of_joints
+        drives.append(Drive(row, stencils, law, places, factors))
     return tuple(
-        DrivenEnergy(energy, tuple(drives[energy.name])) if drives[energy.name] else energy
-        for energy in energies
+        DrivenEnergy(energy, tuple(drives)) if drives else energy
+        for energy, drives in ((rods.stretch, of_edges), (rods.bending, of_joints))
         if energy is not None
     )

@@ -7,11 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
-from ..energies.bend_framed import BEND_FRAMED
 from ..energies.bend_isotropic import BEND_ISOTROPIC
 from ..energies.bend_planar import BEND_PLANAR
+from ..energies.bend_twist import BEND_TWIST
 from ..energies.stretch import STRETCH, STRETCH_PLANAR
-from ..energies.twist import TWIST
 from ..model.dofs import DofMap
 from ..model.driver import Driver
 from ..model.frames import Frames, NoFrames, RodFrames, space_parallel
@@ -38,8 +37,8 @@ class RodSystem:
         frames: Frames, or their absence.
         auxiliaries: Length of the auxiliary array of the frames.
         stretch: Stretching energy of the geometry's edges, or None without rods.
-        bending: Bending energy of the joints, or None without joints.
-        twist: Twisting energy of the joints of framed rods, else None.
+        bending: Bending energy of the joints, with that of twisting where rods are framed; None
+            without joints.
         bending_stiffness: EI1 and EI2 of each joint [N m^2], shape (2, J).
         in_plane: Planar scenes: which natural curvature (0 or 1) lies in the plane, and its sign,
             per rod, shape (rods, 2).
@@ -50,7 +49,6 @@ class RodSystem:
     auxiliaries: int
     stretch: StencilEnergy | None
     bending: StencilEnergy | None
-    twist: StencilEnergy | None
     bending_stiffness: FloatArray
     in_plane: IntArray
     auxiliary_indices: IntArray
@@ -75,7 +73,6 @@ def build_rods(
             0,
             None,
             None,
-            None,
             np.empty((2, 0)),
             np.empty((0, 2), dtype=np.int64),
             np.empty((0, 12), dtype=np.int64),
@@ -98,7 +95,7 @@ def build_rods(
             driver,
         )
     stiffness = np.stack([_in_series(geometry, skeleton, name) for name in ("bending_1", "bending_2")])
-    bending, twist, places = None, None, np.empty((0, 12), dtype=np.int64)
+    bending, places = None, np.empty((0, 12), dtype=np.int64)
     if len(joints.triples):
         if plan.bending is Bending.PLANAR:
             bending = _planar(loaded, geometry, skeleton, dofs, rest, stiffness, in_plane)
@@ -111,15 +108,12 @@ def build_rods(
                 no_auxiliaries(len(joints.triples)),
             )
         else:
-            bending, twist, places = _framed(
-                loaded, geometry, skeleton, dofs, rest, stiffness, frames, n_edges
-            )
+            bending, places = _framed(loaded, geometry, skeleton, dofs, rest, stiffness, frames, n_edges)
     return RodSystem(
         frames,
         6 * n_edges + len(joints.pairs) if framed else 0,
         _stretch(loaded, geometry, skeleton, dofs),
         bending,
-        twist,
         stiffness,
         in_plane,
         places,
@@ -258,7 +252,7 @@ def _framed(
     stiffness: FloatArray,
     frames: Frames,
     n_edges: int,
-) -> tuple[StencilEnergy, StencilEnergy, IntArray]:
+) -> tuple[StencilEnergy, IntArray]:
     j = skeleton.joints
     places = np.stack(
         [
@@ -282,20 +276,23 @@ def _framed(
             if density is not None:
                 row[members] = density * j.voronoi[members]
     stencil = np.concatenate((_node_dofs(dofs, j.triples), dofs.of_angles(j.pairs)), axis=1)
-    bending = StencilEnergy(
-        "bending",
-        BEND_FRAMED,
-        stencil,
-        np.stack((*curvature, *stiffness, j.voronoi, *j.signs.T, np.cos(rest_twist), np.sin(rest_twist))),
-        places,
-    )
-    twist = StencilEnergy(
-        "twist",
-        TWIST,
+    torsional = _in_series(geometry, skeleton, "torsional")
+    energy = StencilEnergy(
+        "bending and twist",
+        BEND_TWIST,
         stencil,
         np.stack(
-            (torsion, _in_series(geometry, skeleton, "torsional"), j.voronoi, j.signs[:, 0], j.signs[:, 1])
+            (
+                *curvature,
+                torsion,
+                *stiffness,
+                torsional,
+                j.voronoi,
+                *j.signs.T,
+                np.cos(rest_twist),
+                np.sin(rest_twist),
+            )
         ),
-        (6 * n_edges + np.arange(len(j.pairs)))[:, None],
+        np.column_stack((places, 6 * n_edges + np.arange(len(j.pairs)))),
     )
-    return bending, twist, places
+    return energy, places

@@ -32,6 +32,11 @@ class DeadLoad:
     law: Law
 
     @property
+    def shares(self) -> tuple[str]:
+        """One energy, that of the load."""
+        return (self.name,)
+
+    @property
     def dissipative(self) -> bool:
         """A dead load does not depend on velocity."""
         return False
@@ -46,8 +51,8 @@ class DeadLoad:
         return self
 
     def energy(self, c: Configuration) -> FloatArray:
-        """-f.q [J], shape (1,): the potential at fixed time."""
-        return np.array([-float(self.law(c.t)) * float(self.force @ c.q)])
+        """-f.q [J], shape (1, 1): the potential at fixed time."""
+        return np.array([[-float(self.law(c.t)) * float(self.force @ c.q)]])
 
     def add_residual(self, c: Configuration, r: FloatArray) -> None:
         """Subtract the force."""

@@ -132,11 +132,16 @@ class _BoundVolume:
     load: VolumePressure
     slots: IntArray
 
+    @property
+    def shares(self) -> tuple[str]:
+        """One energy, that of the load."""
+        return (self.name,)
+
     def energy(self, c: Configuration) -> FloatArray:
-        """-p times each face's share of the volume [J], shape (T,)."""
+        """-p times each face's share of the volume [J], shape (1, T)."""
         x0, x1, x2 = self._corners(c)
         shares = np.einsum("ti,ti->t", x0, np.cross(x1, x2))
-        return np.asarray(shares * (-float(self.load.law(c.t)) / 6.0))
+        return np.asarray(shares * (-float(self.load.law(c.t)) / 6.0))[None]
 
     def add_residual(self, c: Configuration, r: FloatArray) -> None:
         """Subtract the force."""

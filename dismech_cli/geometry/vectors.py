@@ -134,6 +134,55 @@ def sym_outer(a: Vector, b: Vector) -> Block:
     )
 
 
+def _plus_sym_outer(block: Any, a: Any, b: Any) -> Any:
+    block += _sym_outer(a, b)
+    return block
+
+
+@operation(_plus_sym_outer)
+def plus_sym_outer(block: Block, a: Vector, b: Vector) -> Block:
+    """Return block + a b^T + b a^T, packed symmetric; the block given is used up."""
+    return (
+        block[0] + 2.0 * a[0] * b[0],
+        block[1] + a[0] * b[1] + a[1] * b[0],
+        block[2] + a[0] * b[2] + a[2] * b[0],
+        block[3] + 2.0 * a[1] * b[1],
+        block[4] + a[1] * b[2] + a[2] * b[1],
+        block[5] + 2.0 * a[2] * b[2],
+    )
+
+
+def _plus_dyad(block: Any, a: Any, b: Any) -> Any:
+    dyad = a.take(_ROW, axis=0)
+    dyad *= b.take(_COLUMN, axis=0)
+    block += dyad
+    return block
+
+
+@operation(_plus_dyad)
+def plus_dyad(block: Block, a: Vector, b: Vector) -> Block:
+    """Return block + a b^T of parallel vectors, packed symmetric; the block given is used up."""
+    return (
+        block[0] + a[0] * b[0], block[1] + a[0] * b[1], block[2] + a[0] * b[2],
+        block[3] + a[1] * b[1], block[4] + a[1] * b[2], block[5] + a[2] * b[2],
+    )  # fmt: skip
+
+
+def _plus_outer(block: Any, a: Any, b: Any) -> Any:
+    block += (a[:, None] * b).reshape(9, -1)
+    return block
+
+
+@operation(_plus_outer)
+def plus_outer(block: Block, a: Vector, b: Vector) -> Block:
+    """Return block + a b^T, nine entries by rows; the block given is used up."""
+    return (
+        block[0] + a[0] * b[0], block[1] + a[0] * b[1], block[2] + a[0] * b[2],
+        block[3] + a[1] * b[0], block[4] + a[1] * b[1], block[5] + a[1] * b[2],
+        block[6] + a[2] * b[0], block[7] + a[2] * b[1], block[8] + a[2] * b[2],
+    )  # fmt: skip
+
+
 @operation(lambda s, a: s * a)
 def scale_symmetric(s: Any, a: Block) -> Block:
     """Return s a of a packed symmetric block."""
@@ -170,16 +219,13 @@ def expand(a: Block) -> Block:
 
 
 def _add_identity(s: Any, a: Any) -> Any:
-    out = a.copy()
-    out[0] += s
-    out[3] += s
-    out[5] += s
-    return out
+    a[[0, 3, 5]] += s
+    return a
 
 
 @operation(_add_identity)
 def add_identity(s: Any, a: Block) -> Block:
-    """Return s I + a of a packed symmetric block."""
+    """Return s I + a of a packed symmetric block, which is used up."""
     return (a[0] + s, a[1], a[2], a[3] + s, a[4], a[5] + s)
 
 

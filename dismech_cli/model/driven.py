@@ -51,6 +51,11 @@ class DrivenEnergy:
         return self.energy.name
 
     @property
+    def shares(self) -> tuple[str, ...]:
+        """Those of the energy."""
+        return self.energy.shares
+
+    @property
     def dissipative(self) -> bool:
         """An energy does not depend on velocity."""
         return False
@@ -70,6 +75,7 @@ class BoundDriven:
 
     def __init__(self, stencil: BoundStencil, rest: FloatArray, drives: tuple[Drive, ...]) -> None:
         self.name = stencil.name
+        self.shares = stencil.shares
         self._rest = rest
         self._drives = drives
         self._stencil = stencil
@@ -89,7 +95,7 @@ class BoundDriven:
         return self._stencil
 
     def energy(self, c: Configuration) -> FloatArray:
-        """Energies [J], shape (S,)."""
+        """Energies [J], shape (shares, S)."""
         return self.at(c.t).energy(c)
 
     def add_residual(self, c: Configuration, r: FloatArray) -> None:

@@ -17,7 +17,7 @@ class StencilLoop(Protocol):
     """All stencils of one energy, gathered, evaluated and scattered."""
 
     def energy(self, q: FloatArray, auxiliary: FloatArray, parameters: FloatArray) -> FloatArray:
-        """Energy of each stencil [J], shape (S,)."""
+        """Shares of the energy of each stencil [J], shape (shares, S)."""
 
     def add_residual(
         self, q: FloatArray, auxiliary: FloatArray, parameters: FloatArray, r: FloatArray

@@ -28,8 +28,8 @@ jit = njit(cache=True, fastmath={{"nsz", "arcp", "contract", "afn", "reassoc"}},
 _STENCIL = """
 @jit
 def energies(q, auxiliary, p, dofs, places, out):
-    for s in range(len(out)):
-        out[s] = kernel({y}, {a}, {p})[0]
+    for s in range(out.shape[1]):
+        {energy} = kernel({y}, {a}, {p})[0]
 
 
 @jit
@@ -83,6 +83,7 @@ def stencil_source(kernel: Kernel) -> str:
         y=_tuple(y),
         a=_tuple([f"auxiliary[places[s, {k}]]" for k in range(kernel.auxiliaries)]),
         p=_parameters(kernel.parameters),
+        energy=", ".join(f"out[{k}, s]" for k in range(max(len(kernel.shares), 1))),
         gradient=_sums("r[dofs[s, {}]]", "g", dof, reduced, sign),
         hessian=_sums("values[slots[s, {}]]", "h", pair, packed, factor),
     )

@@ -63,7 +63,7 @@ class NumpyStencilLoop:
         self._auxiliaries = np.ascontiguousarray(auxiliaries.T)
         self._vectors = split
         self._y = np.empty((kernel.reduced, count))
-        self._energy = np.empty(count)
+        self._energy = np.empty((max(len(kernel.shares), 1), count))
         self._gradient = np.empty((kernel.reduced, count))
         self._hessian = np.empty((kernel.reduced * (kernel.reduced + 1) // 2, count))
         local, reduced, signs = kernel.gradient_table
@@ -75,7 +75,7 @@ class NumpyStencilLoop:
         self._to_values = _operator(slots[:, pairs], packed, factors, pattern.slots, pattern.slots - 1)
 
     def energy(self, q: FloatArray, auxiliary: FloatArray, parameters: FloatArray) -> FloatArray:
-        """Energy of each stencil [J]."""
+        """Shares of the energy of each stencil [J]."""
         self._evaluate(q, auxiliary, parameters)
         return self._energy.copy()
 
@@ -102,7 +102,7 @@ class NumpyStencilLoop:
             energy, gradient, hessian = self._kernel.function(
                 self._y[:, chunk], a[:, chunk], parameters[:, chunk]
             )
-            self._energy[chunk] = energy
+            self._energy[:, chunk] = energy
             for target, value in zip(self._gradient, gradient, strict=True):
                 target[chunk] = value
             for target, value in zip(self._hessian, hessian, strict=True):

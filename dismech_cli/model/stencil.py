@@ -25,7 +25,7 @@ class Kernel:
     """An energy kernel and the shape of its stencil.
 
     Attributes:
-        function: ``f(y, a, p) -> (energy, gradient (R), packed Hessian R(R+1)/2)``, all tuples.
+        function: ``f(y, a, p) -> (energy, gradient (R), packed Hessian R(R+1)/2)``.
         dimension: Components of an edge vector: 2 or 3.
         nodes: Nodes per stencil.
         vectors: Edge vectors as (tail, head) local nodes; y starts with their components.
@@ -33,6 +33,7 @@ class Kernel:
         auxiliaries: Inputs a taken from the trial frames.
         naturals: Leading parameters that are natural strains.
         parameters: Length of p, natural strains included.
+        shares: Names of the parts that the energy comes in, a tuple then; empty where it is one number.
     """
 
     function: Callable[[Any, Any, Any], Any]
@@ -43,6 +44,7 @@ class Kernel:
     naturals: int
     angles: int = 0
     auxiliaries: int = 0
+    shares: tuple[str, ...] = ()
 
     @property
     def reduced(self) -> int:
@@ -126,6 +128,11 @@ class StencilEnergy:
         return (Coupling(self.dofs),)
 
     @property
+    def shares(self) -> tuple[str, ...]:
+        """Names of its parts in the energy account."""
+        return self.kernel.shares or (self.name,)
+
+    @property
     def natural(self) -> FloatArray:
         """Natural strains, shape (naturals, S); a view."""
         return self.parameters[: self.kernel.naturals]
@@ -133,7 +140,7 @@ class StencilEnergy:
     def bind(self, pattern: Pattern, driver: Driver) -> BoundStencil:
         """Make the gather-evaluate-scatter loop."""
         loop = driver.stencil(self.kernel, self.dofs, self.auxiliaries, pattern)
-        return BoundStencil(self.name, self.kernel.naturals, loop, self.parameters)
+        return BoundStencil(self.name, self.shares, self.kernel.naturals, loop, self.parameters)
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,12 +148,13 @@ class BoundStencil:
     """A stencil energy bound to a pattern; implements :class:`~.term.BoundEnergy`."""
 
     name: str
+    shares: tuple[str, ...]
     naturals: int
     loop: StencilLoop
     parameters: FloatArray
 
     def energy(self, c: Configuration) -> FloatArray:
-        """Energies [J], shape (S,)."""
+        """Energies [J], shape (shares, S)."""
         return self.loop.energy(c.q, c.frames.auxiliary, self.parameters)
 
     def add_residual(self, c: Configuration, r: FloatArray) -> None:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
-from ..geometry.curvature import curvature_gradient, edge_pair
-from ..geometry.vectors import combine, scale
+from ..geometry.curvature import curvature_slopes, edge_pair, turned
+from ..geometry.vectors import scale
 
 
 def lengths(positions: FloatArray, edges: IntArray) -> FloatArray:
@@ -49,13 +49,11 @@ def material_curvatures(
     e, f = _edge_vectors(positions, nodes)
     a = auxiliary[indices.T]
     m1e, m2e = a[0:3], scale(signs[:, 0], a[3:6])
-    r1f, r2f = a[6:9], scale(signs[:, 1], a[9:12])
-    c, s = np.cos(rest_twist), np.sin(rest_twist)
-    m1f, m2f = combine(c, r1f, -s, r2f), combine(s, r1f, c, r2f)
-    pair = edge_pair(e, f)
-    kappa_1 = curvature_gradient(pair, m2e, m2f, m1e, m1f)[0]
-    kappa_2 = curvature_gradient(pair, m1e, m1f, m2e, m2f)[0]
-    return np.stack((kappa_1, -kappa_2))
+    m1f, m2f = turned(a[6:9], scale(signs[:, 1], a[9:12]), np.cos(rest_twist), np.sin(rest_twist))
+    kb = edge_pair(e, f)[5]
+    a1, a2 = curvature_slopes(kb, m1e, m2e)
+    b1, b2 = curvature_slopes(kb, m1f, m2f)
+    return np.stack((-(a2 + b2), a1 + b1))
 
 
 def planar_curvature(positions: FloatArray, nodes: IntArray) -> FloatArray:

@@ -84,8 +84,12 @@ class BoundTerm(Protocol):
 class BoundEnergy(BoundTerm, Protocol):
     """A bound term whose residual is the gradient of an energy at fixed time."""
 
+    @property
+    def shares(self) -> tuple[str, ...]:
+        """Names of the parts of the energy in the account."""
+
     def energy(self, c: Configuration) -> FloatArray:
-        """Energies [J], one per stencil."""
+        """Energies [J], shape (shares, S): a row per part, a column per stencil."""
 
 
 class Term(Protocol):

@@ -47,17 +47,20 @@ class EnergyAccount:
         self._model = model
         self._roles = roles
         self._bound: Mapping[str, BoundTerm] = {}
-        self._energies: Mapping[str, BoundEnergy] = {}
+        self._elastic: Sequence[BoundEnergy] = ()
+        self._gravitational: Sequence[BoundEnergy] = ()
         self.sums = dict.fromkeys(self.columns, 0.0)
 
     def bind(self, terms: Sequence[BoundTerm]) -> None:
         """Use these bound terms from now on."""
         self._bound = {term.name: term for term in terms}
         # once per binding: a check against a protocol costs as much as a term
-        self._energies = {term.name: term for term in terms if isinstance(term, BoundEnergy)}
+        energies = [term for term in terms if isinstance(term, BoundEnergy)]
+        self._elastic = [t for t in energies if t.shares[0] in self._roles.elastic]
+        self._gravitational = [t for t in energies if t.name in self._roles.gravitational]
         self._driven = [t for t in terms if isinstance(t, BoundDriven)]
         steady = {t.name for t in terms if isinstance(t, DeadLoad) and t.law.constant}
-        self._changing = [name for name in self._roles.gravitational if name not in steady]
+        self._changing = [t for t in self._gravitational if t.name not in steady]
 
     def start(self, state: State) -> None:
         """Take the stored energy of ``state`` as the zero of the account."""
@@ -86,11 +89,10 @@ class EnergyAccount:
         """All entries of the account at ``state`` [J]."""
         c = self._at(state, state.t)
         entries = {"kinetic": 0.5 * float(self._model.mass @ (state.v * state.v))}
-        entries["elastic"] = 0.0
-        for name in self._roles.elastic:
-            entries[name] = self._energy(name, c)
-            entries["elastic"] += entries[name]
-        entries["gravitational"] = sum(self._energy(name, c) for name in self._roles.gravitational)
+        for term in self._elastic:
+            entries |= zip(term.shares, term.energy(c).sum(axis=1).tolist(), strict=True)
+        entries["elastic"] = sum(entries[name] for name in self._roles.elastic)
+        entries["gravitational"] = sum(float(term.energy(c).sum()) for term in self._gravitational)
         entries["total"] = entries["kinetic"] + entries["elastic"] + entries["gravitational"]
         s = self.sums
         entries["external_work"] = s["external_work"] + s["actuation_work"]
@@ -154,17 +156,14 @@ class EnergyAccount:
 
     def _book_gravity_change(self, before: State, after: State) -> None:
         """Work of a gravity that changes in time: change of potential at fixed position."""
-        for name in self._changing:
+        for term in self._changing:
             change = 0.0
             for state in (before, after):
                 # weight acts on positions: frames need not be transported
                 frames = _UNFRAMED.transport(state.frames, state.q)
                 late, early = (Configuration(t, state.q, state.v, frames) for t in (after.t, before.t))
-                change += 0.5 * (self._energy(name, late) - self._energy(name, early))
+                change += 0.5 * float(term.energy(late).sum() - term.energy(early).sum())
             self.sums["external_work"] += change
 
     def _at(self, state: State, t: float) -> Configuration:
         return Configuration(t, state.q, state.v, self._model.frames.transport(state.frames, state.q))
-
-    def _energy(self, name: str, c: Configuration) -> float:
-        return float(self._energies[name].energy(c).sum())

@@ -61,7 +61,8 @@ class Observer:
         (term,) = (term for term in self._stepper.system.terms if term.name == name)
         assert isinstance(term, BoundEnergy)
         frames = self._simulation.model.frames.transport(state.frames, state.q)
-        return term.energy(Configuration(state.t, state.q, state.v, frames))
+        energies: FloatArray = term.energy(Configuration(state.t, state.q, state.v, frames)).sum(axis=0)
+        return energies
 
     def watch(self, s: Snapshot) -> None:
         """Record the watched probes."""
