@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
-from ..geometry.blocks import add_block, add_symmetric, pack_three, two_sided
+from ..geometry.blocks import add_symmetric, pack_three, two_sided
 from ..geometry.kernel import kernel
-from ..geometry.triangle import azimuth_gradient, azimuth_hessian, dihedral_angle, nearest_turn
-from ..geometry.vectors import combine, outer, scale, scale_symmetric, self_outer, sym_outer
+from ..geometry.triangle import azimuth_gradient, azimuth_hessian, dihedral_angle, fold, nearest_turn
+from ..geometry.vectors import combine, outer, scale, sym_outer
 from ..model.dofs import DofMap
 from ..model.stencil import Kernel, StencilEnergy, no_auxiliaries
 
@@ -23,32 +23,31 @@ from ..model.stencil import Kernel, StencilEnergy, no_auxiliaries
 @kernel
 def hinge(y: Any, a: Any, p: Any) -> Any:
     """Energy, gradient and packed Hessian with respect to (x1 - x0, x2 - x0, x3 - x0)."""
-    e, f, g = (y[0], y[1], y[2]), (y[3], y[4], y[5]), (y[6], y[7], y[8])
-    elastic = nearest_turn(dihedral_angle(e, f, g) - p[0])
-    moment = p[1] * elastic
-    # theta = azimuth of the second face - azimuth of the first
-    n, na, nl, nv, nf = azimuth_gradient(e, f)
-    m, ma, ml, mv, mf = azimuth_gradient(e, g)
-    de = combine(mv, m, -nv, n)
-    df, dg = scale(-nf, n), scale(mf, m)
-    nx, ny, nw, nz = azimuth_hessian(e, f, n, na, nl)
-    mx, my, mw, mz = azimuth_hessian(e, g, m, ma, ml)
-    k, t = p[1], moment
-    ee = add_symmetric(
-        scale_symmetric(k, self_outer(de)),
-        add_symmetric(sym_outer(scale(t, m), mx), sym_outer(scale(-t, n), nx)),
+    e, f, g = y[0:3], y[3:6], y[6:9]
+    n, ns, nc, r = azimuth_gradient(e, f)
+    m, ms, mc, _ = azimuth_gradient(e, g)
+    k = p[1]
+    elastic = nearest_turn(fold(n, m, g, ms) - p[0])
+    t = k * elastic
+    # theta = azimuth of the second face - azimuth of the first: d theta = de.de + ms m.dg - ns n.df
+    de = combine(nc * ns, n, -mc * ms, m)
+    nx, ny, nw, nz = azimuth_hessian(e, f, ns, nc, r, -t)
+    mx, my, mw, mz = azimuth_hessian(e, g, ms, mc, r, t)
+    # All slopes are along n and m: the rank-one part k (d theta)^2 joins the vectors beside them.
+    kn, km = k * ns, k * ms
+    nx, mx = combine(1.0, nx, 0.5 * nc * kn, de), combine(1.0, mx, -0.5 * mc * km, de)
+    nz, mz = combine(1.0, nz, 0.5 * ns * kn, n), combine(1.0, mz, 0.5 * ms * km, m)
+    hessian = pack_three(
+        add_symmetric(sym_outer(n, nx), sym_outer(m, mx)),
+        two_sided(n, ny, combine(1.0, nw, -kn, de)),
+        two_sided(m, my, combine(1.0, mw, km, de)),
+        sym_outer(n, nz),
+        outer(scale(-ns * km, n), m),
+        sym_outer(m, mz),
     )
-    ef = add_block(outer(scale(k, de), df), two_sided(n, scale(-t, ny), scale(-t, nw)))
-    eg = add_block(outer(scale(k, de), dg), two_sided(m, scale(t, my), scale(t, mw)))
-    ff = add_symmetric(scale_symmetric(k, self_outer(df)), sym_outer(n, scale(-t, nz)))
-    gg = add_symmetric(scale_symmetric(k, self_outer(dg)), sym_outer(m, scale(t, mz)))
-    fg = outer(scale(k, df), dg)
-    gradient = (
-        t * de[0], t * de[1], t * de[2],
-        t * df[0], t * df[1], t * df[2],
-        t * dg[0], t * dg[1], t * dg[2],
-    )  # fmt: skip
-    return 0.5 * moment * elastic, gradient, pack_three(ee, ef, eg, ff, fg, gg)
+    ge, gf, gg = scale(t, de), scale(-t * ns, n), scale(t * ms, m)
+    gradient = (ge[0], ge[1], ge[2], gf[0], gf[1], gf[2], gg[0], gg[1], gg[2])
+    return 0.5 * t * elastic, gradient, hessian
 
 
 HINGE = Kernel(hinge, dimension=3, nodes=4, vectors=((0, 1), (0, 2), (0, 3)), naturals=1, parameters=2)
@@ -62,7 +61,7 @@ def hinge_angles(nodes: FloatArray, hinges: IntArray) -> FloatArray:
         hinges: Node indices (x0, x1, x2, x3), shape (H, 4).
     """
     x0, x1, x2, x3 = (nodes[hinges[:, k]].T for k in range(4))
-    angles: FloatArray = dihedral_angle(tuple(x1 - x0), tuple(x2 - x0), tuple(x3 - x0))
+    angles: FloatArray = dihedral_angle(x1 - x0, x2 - x0, x3 - x0)
     return angles
 
 

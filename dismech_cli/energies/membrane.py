@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
-from ..geometry.blocks import pack_two
+from ..geometry.blocks import add_diagonal, add_symmetric, outer_pair, pack_two
 from ..geometry.kernel import kernel
-from ..geometry.vectors import combine, dot, outer, self_outer, sym_outer
+from ..geometry.vectors import add_identity, combine, dot, scale, sym_outer
 from ..model.dofs import DofMap
 from ..model.shell import plane_stress_stiffness, rest_metric
 from ..model.stencil import Kernel, StencilEnergy, no_auxiliaries
@@ -26,7 +26,7 @@ from ..model.stencil import Kernel, StencilEnergy, no_auxiliaries
 @kernel
 def membrane(y: Any, a: Any, p: Any) -> Any:
     """Energy, gradient and packed Hessian with respect to the edge vectors (a, b)."""
-    u, v = (y[0], y[1], y[2]), (y[3], y[4], y[5])
+    u, v = y[0:3], y[3:6]
     growth = (1.0 + p[0]) * (1.0 + p[0])
     e0 = 0.5 * (dot(u, u) - growth * p[1])
     e1 = 0.5 * (dot(v, v) - growth * p[2])
@@ -38,36 +38,13 @@ def membrane(y: Any, a: Any, p: Any) -> Any:
     s1 = c01 * e0 + c11 * e1 + c12 * e2
     s2 = c02 * e0 + c12 * e1 + c22 * e2
     g, h = combine(s0, u, s2, v), combine(s1, v, s2, u)
-    uu, vv, uv, sym = self_outer(u), self_outer(v), outer(u, v), sym_outer(u, v)
-    first = (
-        s0 + c00 * uu[0] + c02 * sym[0] + c22 * vv[0],
-        c00 * uu[1] + c02 * sym[1] + c22 * vv[1],
-        c00 * uu[2] + c02 * sym[2] + c22 * vv[2],
-        s0 + c00 * uu[3] + c02 * sym[3] + c22 * vv[3],
-        c00 * uu[4] + c02 * sym[4] + c22 * vv[4],
-        s0 + c00 * uu[5] + c02 * sym[5] + c22 * vv[5],
-    )
-    second = (
-        s1 + c11 * vv[0] + c12 * sym[0] + c22 * uu[0],
-        c11 * vv[1] + c12 * sym[1] + c22 * uu[1],
-        c11 * vv[2] + c12 * sym[2] + c22 * uu[2],
-        s1 + c11 * vv[3] + c12 * sym[3] + c22 * uu[3],
-        c11 * vv[4] + c12 * sym[4] + c22 * uu[4],
-        s1 + c11 * vv[5] + c12 * sym[5] + c22 * uu[5],
-    )
-    mixed = (
-        s2 + c01 * uv[0] + c02 * uu[0] + c12 * vv[0] + c22 * uv[0],
-        c01 * uv[1] + c02 * uu[1] + c12 * vv[1] + c22 * uv[3],
-        c01 * uv[2] + c02 * uu[2] + c12 * vv[2] + c22 * uv[6],
-        c01 * uv[3] + c02 * uu[1] + c12 * vv[1] + c22 * uv[1],
-        s2 + c01 * uv[4] + c02 * uu[3] + c12 * vv[3] + c22 * uv[4],
-        c01 * uv[5] + c02 * uu[4] + c12 * vv[4] + c22 * uv[7],
-        c01 * uv[6] + c02 * uu[2] + c12 * vv[2] + c22 * uv[2],
-        c01 * uv[7] + c02 * uu[4] + c12 * vv[4] + c22 * uv[5],
-        s2 + c01 * uv[8] + c02 * uu[5] + c12 * vv[5] + c22 * uv[8],
-    )
+    # slopes of the stresses: ds0 = c00 u.da + c02 (v.da + u.db) + c01 v.db, ds1 and ds2 alike
+    first = add_symmetric(sym_outer(u, combine(0.5 * c00, u, c02, v)), sym_outer(v, scale(0.5 * c22, v)))
+    second = add_symmetric(sym_outer(v, combine(0.5 * c11, v, c12, u)), sym_outer(u, scale(0.5 * c22, u)))
+    mixed = outer_pair(u, combine(c02, u, c01, v), v, combine(c22, u, c12, v))
+    hessian = pack_two(add_identity(s0, first), add_diagonal(s2, mixed), add_identity(s1, second))
     energy = 0.5 * (s0 * e0 + s1 * e1 + s2 * e2)
-    return energy, (g[0], g[1], g[2], h[0], h[1], h[2]), pack_two(first, mixed, second)
+    return energy, (g[0], g[1], g[2], h[0], h[1], h[2]), hessian
 
 
 MEMBRANE = Kernel(membrane, dimension=3, nodes=3, vectors=((0, 1), (0, 2)), naturals=1, parameters=10)

@@ -20,18 +20,23 @@ from typing import Any
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
-from ..geometry.blocks import (
-    add_block,
-    add_symmetric,
-    outer_sum,
-    pack_two,
-    symmetric_outer_sum,
-    two_sided,
-)
+from ..geometry.blocks import add_block, add_symmetric, outer_sum, pack_two, symmetric_outer_sum, two_sided
 from ..geometry.kernel import kernel
 from ..geometry.rotation import parallel_transport, signed_angle
-from ..geometry.triangle import azimuth_gradient, azimuth_hessian
-from ..geometry.vectors import Vector, add, combine, cross, dot, scale, scale_symmetric, sub, sym_outer
+from ..geometry.triangle import azimuth_hessian, side
+from ..geometry.vectors import (
+    Vector,
+    add,
+    combine,
+    combine_block,
+    cross,
+    dot,
+    expand,
+    norm,
+    scale,
+    sub,
+    sym_outer,
+)
 from ..model.dofs import DofMap
 from ..model.shell import bending_stiffness
 from ..model.shell_frames import ShellFrames
@@ -53,51 +58,59 @@ def transported_angle(v: Vector, n: Vector, length: Any, tangent: Vector, normal
 
 
 @kernel
-def spin_slope(v: Vector, length: Any, tangent: Vector) -> Any:
-    """Symmetric part of the derivative of the spin with respect to v, packed [1/m^2]."""
+def spin_slope(v: Vector, length: Any, tangent: Vector, spin: Vector, m: Any) -> Any:
+    """Symmetric part of -m times the derivative of the spin with respect to v, packed [1/m^2]."""
     s = dot(tangent, v)
-    w = 1.0 / (length * (length + s))
-    return sym_outer(
-        cross(tangent, v), combine(0.5 * w * w * (2.0 + s / length), v, 0.5 * w * w * length, tangent)
-    )
+    w = -0.5 * m / (length * (length + s))
+    return sym_outer(spin, combine(w * (2.0 + s / length), v, w * length, tangent))
 
 
 @kernel
-def face_turning(a: Vector, b: Vector, n: Vector, area: Any, lengths: Any, t0: Any, t1: Any, t2: Any) -> Any:
+def face_turning(a: Vector, b: Vector, n: Vector, side0: Any, side1: Any, side2: Any, t: Any) -> Any:
     """Hessian of t0 psi_0 + t1 psi_1 + t2 psi_2 with respect to (a, b): blocks aa, ab, bb.
 
     psi_i is the azimuth of the face about its side i: sides b - a, -b, a, each seen from its tail.
+
+    Args:
+        a: Edge vector x1 - x0.
+        b: Edge vector x2 - x0.
+        n: Unit normal.
+        side0: Of the first side, from :func:`side`; likewise ``side1`` and ``side2``.
+        side1: See ``side0``.
+        side2: See ``side0``.
+        t: The three weights.
     """
-    v0, f0, f1 = sub(b, a), scale(-1.0, a), sub(a, b)
-    v1 = scale(-1.0, b)
-    x0, y0, w0, z0 = azimuth_hessian(v0, f0, n, area, lengths[0])
-    x1, y1, w1, z1 = azimuth_hessian(v1, f1, n, area, lengths[1])
-    x2, y2, w2, z2 = azimuth_hessian(a, b, n, area, lengths[2])
-    # v0 = b - a and f0 = -a move together with a; f1 = a - b and v1 = -b with b
-    aa = add(combine(t2, x2, t1, z1), scale(t0, add(add(x0, y0), add(w0, z0))))
-    bb = add(combine(t2, z2, t0, x0), scale(t1, add(add(x1, y1), add(w1, z1))))
-    right = sub(scale(t2, y2), combine(t1, add(w1, z1), t0, add(x0, w0)))
-    left = sub(scale(t2, w2), combine(t1, add(y1, z1), t0, add(x0, y0)))
+    x0, y0, w0, z0 = azimuth_hessian(sub(b, a), scale(-1.0, a), side0[1], side0[2], side0[3], t[0])
+    x1, y1, w1, z1 = azimuth_hessian(scale(-1.0, b), sub(a, b), side1[1], side1[2], side1[3], t[1])
+    x2, y2, w2, z2 = azimuth_hessian(a, b, side2[1], side2[2], side2[3], t[2])
+    # b - a and -a move together with a; a - b and -b with b
+    xw0, yz0, yz1 = add(x0, w0), add(y0, z0), add(y1, z1)
+    wz1 = add(w1, z1)
+    aa = add(add(x2, z1), add(xw0, yz0))
+    bb = add(add(z2, x0), add(add(x1, w1), yz1))
+    right = sub(y2, add(wz1, xw0))
+    left = sub(w2, add(yz1, add(x0, y0)))
     return sym_outer(n, aa), two_sided(n, right, left), sym_outer(n, bb)
 
 
 @kernel
 def midedge(y: Any, x: Any, p: Any) -> Any:
     """Energy, gradient and packed Hessian with respect to (x1 - x0, x2 - x0, xi_0, xi_1, xi_2)."""
-    a, b = (y[0], y[1], y[2]), (y[3], y[4], y[5])
+    a, b = y[0:3], y[3:6]
     p00, p01, p02, p11, p12, p22, r0, r1, r2 = p[3], p[4], p[5], p[6], p[7], p[8], p[9], p[10], p[11]
     v0, v1 = sub(b, a), scale(-1.0, b)
-    d0, d1, d2 = (
-        scale(r0, (x[0], x[1], x[2])),
-        scale(r1, (x[7], x[8], x[9])),
-        scale(r2, (x[14], x[15], x[16])),
+    d0, d1, d2 = scale(r0, x[0:3]), scale(r1, x[7:10]), scale(r2, x[14:17])
+    n = cross(a, b)
+    inverse_area = 1.0 / norm(n)
+    n = scale(inverse_area, n)
+    side0, side1, side2 = (
+        side(v0, scale(-1.0, a), inverse_area),
+        side(v1, sub(a, b), inverse_area),
+        side(a, b, inverse_area),
     )
-    n, area, l2, gv2, gf2 = azimuth_gradient(a, b)
-    _, _, l1, gv1, gf1 = azimuth_gradient(v1, sub(a, b))
-    _, _, l0, gv0, gf0 = azimuth_gradient(v0, scale(-1.0, a))
-    psi0, s0 = transported_angle(v0, n, l0, d0, (x[3], x[4], x[5]))
-    psi1, s1 = transported_angle(v1, n, l1, d1, (x[10], x[11], x[12]))
-    psi2, s2 = transported_angle(a, n, l2, d2, (x[17], x[18], x[19]))
+    psi0, s0 = transported_angle(v0, n, side0[0], d0, x[3:6])
+    psi1, s1 = transported_angle(v1, n, side1[0], d1, x[10:13])
+    psi2, s2 = transported_angle(a, n, side2[0], d2, x[17:20])
     e0 = r0 * (y[6] - x[6]) - psi0 - p[0]
     e1 = r1 * (y[7] - x[13]) - psi1 - p[1]
     e2 = r2 * (y[8] - x[20]) - psi2 - p[2]
@@ -106,9 +119,10 @@ def midedge(y: Any, x: Any, p: Any) -> Any:
     m2 = p02 * e0 + p12 * e1 + p22 * e2
 
     # slopes of -alpha: of the face normal less those of the transported normal
-    a0, b0 = combine(-gv0 - gf0, n, 1.0, s0), combine(gv0, n, -1.0, s0)
-    a1, b1 = scale(gf1, n), combine(-gv1 - gf1, n, 1.0, s1)
-    a2, b2 = combine(gv2, n, -1.0, s2), scale(gf2, n)
+    g0, g1, g2 = side0[1] * side0[2], side1[1] * side1[2], side2[1] * side2[2]
+    a0, b0 = combine(g0 - side0[1], n, 1.0, s0), combine(-g0, n, -1.0, s0)
+    a1, b1 = scale(side1[1], n), combine(g1 - side1[1], n, 1.0, s1)
+    a2, b2 = combine(-g2, n, -1.0, s2), scale(side2[1], n)
     ga = combine(-m0, a0, -1.0, combine(m1, a1, m2, a2))
     gb = combine(-m0, b0, -1.0, combine(m1, b1, m2, b2))
     q0 = add(scale(p00, a0), combine(p01, a1, p02, a2))
@@ -118,21 +132,18 @@ def midedge(y: Any, x: Any, p: Any) -> Any:
     u1 = add(scale(p01, b0), combine(p11, b1, p12, b2))
     u2 = add(scale(p02, b0), combine(p12, b1, p22, b2))
 
-    haa, hab, hbb = face_turning(a, b, n, area, (l0, l1, l2), -m0, -m1, -m2)
-    c0, c1, c2 = (
-        scale_symmetric(m0, spin_slope(v0, l0, d0)),
-        scale_symmetric(m1, spin_slope(v1, l1, d1)),
-        scale_symmetric(m2, spin_slope(a, l2, d2)),
+    haa, hab, hbb = face_turning(a, b, n, side0, side1, side2, (-m0, -m1, -m2))
+    c0 = spin_slope(v0, side0[0], d0, s0, m0)
+    c1 = spin_slope(v1, side1[0], d1, s1, m1)
+    c2 = spin_slope(a, side2[0], d2, s2, m2)
+    aa = add_symmetric(haa, add_symmetric(c0, c2))
+    bb = add_symmetric(hbb, add_symmetric(c0, c1))
+    ab = combine_block(1.0, hab, -1.0, expand(c0))
+    h = pack_two(
+        add_symmetric(aa, symmetric_outer_sum((a0, a1, a2), (q0, q1, q2))),
+        add_block(ab, outer_sum((a0, a1, a2), (u0, u1, u2))),
+        add_symmetric(bb, symmetric_outer_sum((b0, b1, b2), (u0, u1, u2))),
     )
-    aa = add_symmetric(
-        symmetric_outer_sum((a0, a1, a2), (q0, q1, q2)), add_symmetric(haa, add_symmetric(c0, c2))
-    )
-    bb = add_symmetric(
-        symmetric_outer_sum((b0, b1, b2), (u0, u1, u2)), add_symmetric(hbb, add_symmetric(c0, c1))
-    )
-    shared = (-c0[0], -c0[1], -c0[2], -c0[1], -c0[3], -c0[4], -c0[2], -c0[4], -c0[5])
-    ab = add_block(outer_sum((a0, a1, a2), (u0, u1, u2)), add_block(hab, shared))
-    h = pack_two(aa, ab, bb)
     q0, q1, q2 = scale(-r0, q0), scale(-r1, q1), scale(-r2, q2)
     u0, u1, u2 = scale(-r0, u0), scale(-r1, u1), scale(-r2, u2)
     constant = 0.0 * e0
@@ -174,15 +185,14 @@ def edge_angles(
         face_edges: Edge opposite each corner, shape (T, 3).
         normals: Unit normal of each edge, across it, shape (3, B).
     """
-    x = [tuple(nodes[triangles[:, k]].T) for k in range(3)]
-    a, b = sub(x[1], x[0]), sub(x[2], x[0])
-    n, _, l2, _, _ = azimuth_gradient(a, b)
-    v0, v1 = sub(b, a), scale(-1.0, b)
-    lengths = (azimuth_gradient(v0, a)[2], azimuth_gradient(v1, a)[2], l2)
+    x = [nodes[triangles[:, k]].T for k in range(3)]
+    a, b = x[1] - x[0], x[2] - x[0]
+    n = cross(a, b)
+    n = n / norm(n)
     angles = []
-    for k, v in enumerate((v0, v1, a)):
-        t = scale(1.0 / lengths[k], v)
-        angles.append(-transported_angle(v, n, lengths[k], t, tuple(normals[:, face_edges[:, k]]))[0])
+    for k, v in enumerate((b - a, -b, a)):
+        length = norm(v)
+        angles.append(-transported_angle(v, n, length, v / length, normals[:, face_edges[:, k]])[0])
     return np.stack(angles)
 
 

@@ -16,17 +16,10 @@ from typing import Any
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
-from ..geometry.blocks import (
-    add_block,
-    add_symmetric,
-    outer_sum,
-    pack_five,
-    symmetric_outer_sum,
-    two_sided,
-)
+from ..geometry.blocks import add_block, add_symmetric, outer_sum, pack_five, symmetric_outer_sum, two_sided
 from ..geometry.kernel import kernel
-from ..geometry.triangle import azimuth_gradient, azimuth_hessian, dihedral_angle, nearest_turn
-from ..geometry.vectors import add, combine, outer, scale, scale_symmetric, self_outer, sub, sym_outer
+from ..geometry.triangle import azimuth_gradient, azimuth_hessian, dihedral_angle, fold, nearest_turn, side
+from ..geometry.vectors import add, combine, cross, norm, outer, scale, sub, sym_outer
 from ..model.dofs import DofMap
 from ..model.shell import bending_stiffness
 from ..model.stencil import Kernel, StencilEnergy, no_auxiliaries
@@ -36,34 +29,46 @@ from .midedge import face_turning
 @kernel
 def midedge_averaged(y: Any, x: Any, p: Any) -> Any:
     """Energy, gradient and packed Hessian with respect to (x1, x2, f0, f1, f2) - x0."""
-    a, b = (y[0], y[1], y[2]), (y[3], y[4], y[5])
+    a, b = y[0:3], y[3:6]
     p00, p01, p02, p11, p12, p22, w0, w1, w2 = p[3], p[4], p[5], p[6], p[7], p[8], p[9], p[10], p[11]
     v0, v1 = sub(b, a), scale(-1.0, b)
-    f0, f1, f2 = sub((y[6], y[7], y[8]), a), sub((y[9], y[10], y[11]), b), (y[12], y[13], y[14])
-    c0, c1 = scale(-1.0, a), sub(a, b)
-    e0 = w0 * nearest_turn(dihedral_angle(v0, c0, f0) - p[0])
-    e1 = w1 * nearest_turn(dihedral_angle(v1, c1, f1) - p[1])
-    e2 = w2 * nearest_turn(dihedral_angle(a, b, f2) - p[2])
-    m0 = w0 * (p00 * e0 + p01 * e1 + p02 * e2)
-    m1 = w1 * (p01 * e0 + p11 * e1 + p12 * e2)
-    m2 = w2 * (p02 * e0 + p12 * e1 + p22 * e2)
-    energy = 0.5 * (e0 * (p00 * e0 + p01 * e1 + p02 * e2) + e1 * (p01 * e0 + p11 * e1 + p12 * e2))
-    energy = energy + 0.5 * e2 * (p02 * e0 + p12 * e1 + p22 * e2)
+    f0, f1, f2 = sub(y[6:9], a), sub(y[9:12], b), y[12:15]
+    n = cross(a, b)
+    inverse_area = 1.0 / norm(n)
+    n = scale(inverse_area, n)
+    side0, side1, side2 = (
+        side(v0, scale(-1.0, a), inverse_area),
+        side(v1, sub(a, b), inverse_area),
+        side(a, b, inverse_area),
+    )
+    # neighbour 0 turns about b - a, seen from a; neighbour 1 about -b, seen from b; 2 about a
+    n0, s0, c0, r0 = azimuth_gradient(v0, f0)
+    n1, s1, c1, r1 = azimuth_gradient(v1, f1)
+    n2, s2, c2, r2 = azimuth_gradient(a, f2)
+    e0 = w0 * nearest_turn(fold(n, n0, f0, s0) - p[0])
+    e1 = w1 * nearest_turn(fold(n, n1, f1, s1) - p[1])
+    e2 = w2 * nearest_turn(fold(n, n2, f2, s2) - p[2])
+    m0, m1, m2 = (
+        p00 * e0 + p01 * e1 + p02 * e2,
+        p01 * e0 + p11 * e1 + p12 * e2,
+        p02 * e0 + p12 * e1 + p22 * e2,
+    )
+    energy = 0.5 * (e0 * m0 + e1 * m1 + e2 * m2)
+    m0, m1, m2 = w0 * m0, w1 * m1, w2 * m2
 
     # dihedral angle = azimuth of the neighbour less that of the triangle itself
-    n, area, l2, gv2, gf2 = azimuth_gradient(a, b)
-    _, _, l1, gv1, gf1 = azimuth_gradient(v1, c1)
-    _, _, l0, gv0, gf0 = azimuth_gradient(v0, c0)
-    n0, s0, _, hv0, hf0 = azimuth_gradient(v0, f0)
-    n1, s1, _, hv1, hf1 = azimuth_gradient(v1, f1)
-    n2, s2, _, hv2, hf2 = azimuth_gradient(a, f2)
-    a0, b0 = combine(-hv0 - hf0, n0, gv0 + gf0, n), combine(hv0, n0, -gv0, n)
-    a1, b1 = scale(-gf1, n), combine(-hv1 - hf1, n1, gv1 + gf1, n)
-    a2, b2 = combine(hv2, n2, -gv2, n), scale(-gf2, n)
-    d0, d1, d2 = scale(hf0, n0), scale(hf1, n1), scale(hf2, n2)
+    g0, g1, g2 = side0[1] * side0[2], side1[1] * side1[2], side2[1] * side2[2]
+    h0, h1, h2 = s0 * c0, s1 * c1, s2 * c2
+    a0, b0 = combine(h0 - s0, n0, side0[1] - g0, n), combine(-h0, n0, g0, n)
+    a1, b1 = scale(-side1[1], n), combine(h1 - s1, n1, side1[1] - g1, n)
+    a2, b2 = combine(-h2, n2, g2, n), scale(-side2[1], n)
     ga = combine(m0, a0, 1.0, combine(m1, a1, m2, a2))
     gb = combine(m0, b0, 1.0, combine(m1, b1, m2, b2))
-    gradient = ga + gb + scale(m0, d0) + scale(m1, d1) + scale(m2, d2)
+    gc, gd, ge = scale(m0 * s0, n0), scale(m1 * s1, n1), scale(m2 * s2, n2)
+    gradient = (
+        ga[0], ga[1], ga[2], gb[0], gb[1], gb[2],
+        gc[0], gc[1], gc[2], gd[0], gd[1], gd[2], ge[0], ge[1], ge[2],
+    )  # fmt: skip
 
     k00, k01, k02 = w0 * w0 * p00, w0 * w1 * p01, w0 * w2 * p02
     k11, k12, k22 = w1 * w1 * p11, w1 * w2 * p12, w2 * w2 * p22
@@ -73,34 +78,41 @@ def midedge_averaged(y: Any, x: Any, p: Any) -> Any:
     u0 = add(scale(k00, b0), combine(k01, b1, k02, b2))
     u1 = add(scale(k01, b0), combine(k11, b1, k12, b2))
     u2 = add(scale(k02, b0), combine(k12, b1, k22, b2))
-    haa, hab, hbb = face_turning(a, b, n, area, (l0, l1, l2), -m0, -m1, -m2)
+    haa, hab, hbb = face_turning(a, b, n, side0, side1, side2, (-m0, -m1, -m2))
 
-    # neighbour 0 turns about b - a, seen from a; neighbour 1 about -b, seen from b; 2 about a
-    x0, y0, z0, r0 = azimuth_hessian(v0, f0, n0, s0, l0)
-    x1, y1, z1, r1 = azimuth_hessian(v1, f1, n1, s1, l1)
-    x2, y2, z2, r2 = azimuth_hessian(a, f2, n2, s2, l2)
-    t0, t1, t2 = scale(m0, n0), scale(m1, n1), scale(m2, n2)
-    aa = add_symmetric(sym_outer(t0, add(add(x0, y0), add(z0, r0))), sym_outer(t2, x2))
-    bb = add_symmetric(sym_outer(t1, add(add(x1, y1), add(z1, r1))), sym_outer(t0, x0))
-    ab = two_sided(t0, scale(-1.0, add(x0, z0)), scale(-1.0, add(x0, y0)))
+    x0, y0, l0, z0 = azimuth_hessian(v0, f0, s0, c0, r0, m0)
+    x1, y1, l1, z1 = azimuth_hessian(v1, f1, s1, c1, r1, m1)
+    x2, y2, l2, z2 = azimuth_hessian(a, f2, s2, c2, r2, m2)
+    yz0, yz1, lz0, lz1 = add(y0, z0), add(y1, z1), add(l0, z0), add(l1, z1)
+    xl0 = add(x0, l0)
+    # own part of each neighbour, of the triangle, and the rank-one parts
+    aa = add_symmetric(sym_outer(n0, add(xl0, yz0)), sym_outer(n2, x2))
+    bb = add_symmetric(sym_outer(n1, add(add(x1, l1), yz1)), sym_outer(n0, x0))
+    ab = two_sided(n0, scale(-1.0, xl0), scale(-1.0, add(x0, y0)))
     aa = add_symmetric(add_symmetric(aa, haa), symmetric_outer_sum((a0, a1, a2), (q0, q1, q2)))
     bb = add_symmetric(add_symmetric(bb, hbb), symmetric_outer_sum((b0, b1, b2), (u0, u1, u2)))
     ab = add_block(add_block(ab, hab), outer_sum((a0, a1, a2), (u0, u1, u2)))
-    af0 = add_block(two_sided(t0, scale(-1.0, add(y0, r0)), scale(-1.0, add(z0, r0))), outer(q0, d0))
-    bf0 = add_block(two_sided(t0, y0, z0), outer(u0, d0))
-    bf1 = add_block(two_sided(t1, scale(-1.0, add(y1, r1)), scale(-1.0, add(z1, r1))), outer(u1, d1))
-    af2 = add_block(two_sided(t2, y2, z2), outer(q2, d2))
-    f00 = add_symmetric(sym_outer(t0, r0), scale_symmetric(k00, self_outer(d0)))
-    f11 = add_symmetric(sym_outer(t1, r1), scale_symmetric(k11, self_outer(d1)))
-    f22 = add_symmetric(sym_outer(t2, r2), scale_symmetric(k22, self_outer(d2)))
     hessian = pack_five(
-        (aa, bb, f00, f11, f22),
         (
-            ab, af0, outer(q1, d1), af2,
-            bf0, bf1, outer(u2, d2),
-            outer(scale(k01, d0), d1), outer(scale(k02, d0), d2), outer(scale(k12, d1), d2),
+            aa,
+            bb,
+            sym_outer(n0, combine(1.0, z0, 0.5 * k00 * s0 * s0, n0)),
+            sym_outer(n1, combine(1.0, z1, 0.5 * k11 * s1 * s1, n1)),
+            sym_outer(n2, combine(1.0, z2, 0.5 * k22 * s2 * s2, n2)),
         ),
-    )  # fmt: skip
+        (
+            ab,
+            two_sided(n0, scale(-1.0, yz0), combine(s0, q0, -1.0, lz0)),
+            outer(scale(s1, q1), n1),
+            two_sided(n2, y2, combine(1.0, l2, s2, q2)),
+            two_sided(n0, y0, combine(1.0, l0, s0, u0)),
+            two_sided(n1, scale(-1.0, yz1), combine(s1, u1, -1.0, lz1)),
+            outer(scale(s2, u2), n2),
+            outer(scale(k01 * s0 * s1, n0), n1),
+            outer(scale(k02 * s0 * s2, n0), n2),
+            outer(scale(k12 * s1 * s2, n1), n2),
+        ),
+    )
     return energy, gradient, hessian
 
 
@@ -163,11 +175,9 @@ def midedge_averaged_term(
     count = len(triangles)
     corners = neighbour_corners(triangles, face_edges, edge_faces)
     rim = edge_faces[face_edges][:, :, 1] < 0
-    x = [tuple(nodes[triangles[:, k]].T) for k in range(3)]
+    x = [nodes[triangles[:, k]].T for k in range(3)]
     natural = [
-        dihedral_angle(
-            sub(x[k - 1], x[k - 2]), sub(x[k], x[k - 2]), sub(tuple(nodes[corners[:, k]].T), x[k - 2])
-        )
+        dihedral_angle(x[k - 1] - x[k - 2], x[k] - x[k - 2], nodes[corners[:, k]].T - x[k - 2])
         for k in range(3)
     ]
     stiffness = bending_stiffness(nodes, triangles, youngs_modulus, poisson_ratio, thickness)

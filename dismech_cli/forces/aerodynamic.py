@@ -12,54 +12,54 @@ from typing import Any
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
+from ..geometry.blocks import entries
 from ..geometry.kernel import kernel
-from ..geometry.vectors import combine, cross, dot, norm, scale
+from ..geometry.vectors import combine, cross, dot, norm, outer, scale
 from ..model.dofs import DofMap
 from ..model.drag import DragForce, DragKernel
 
 
 @kernel
 def _corner(n: Any, u: Any, ta: Any, tb: Any, k: Any) -> Any:
-    """Share of one corner: force, its rows of slopes to a and b, its slope to u (3x3)."""
+    """Share of one corner: force, and the rows of its slopes to a, to b and to u."""
     w = dot(u, n)
     size = k * np.abs(w)
     # dn = ta (n.da) + tb (n.db);  d(|w| w n) = 2 |w| n dw + |w| w dn
-    sa, sb = 2.0 * size * dot(u, ta), 2.0 * size * dot(u, tb)
-    ga, gb = combine(sa, n, size * w, ta), combine(sb, n, size * w, tb)
-    g = scale(2.0 * size, n)
-    rows = (
-        ga[0] * n[0], ga[0] * n[1], ga[0] * n[2], gb[0] * n[0], gb[0] * n[1], gb[0] * n[2],
-        ga[1] * n[0], ga[1] * n[1], ga[1] * n[2], gb[1] * n[0], gb[1] * n[1], gb[1] * n[2],
-        ga[2] * n[0], ga[2] * n[1], ga[2] * n[2], gb[2] * n[0], gb[2] * n[1], gb[2] * n[2],
-    )  # fmt: skip
-    slope = (
-        (g[0] * n[0], g[0] * n[1], g[0] * n[2]),
-        (g[1] * n[0], g[1] * n[1], g[1] * n[2]),
-        (g[2] * n[0], g[2] * n[1], g[2] * n[2]),
+    ga = combine(2.0 * size * dot(u, ta), n, size * w, ta)
+    gb = combine(2.0 * size * dot(u, tb), n, size * w, tb)
+    return (
+        entries(scale(size * w, n)),
+        entries(outer(ga, n)),
+        entries(outer(gb, n)),
+        entries(outer(scale(2.0 * size, n), n)),
     )
-    return scale(size * w, n), rows, slope
 
 
 @kernel
 def aerodynamic(y: Any, u: Any, p: Any) -> Any:
     """Residual shares of the three corners, slopes to (x1 - x0, x2 - x0) and to the velocities."""
-    a, b = (y[0], y[1], y[2]), (y[3], y[4], y[5])
+    a, b = y[0:3], y[3:6]
     m = cross(a, b)
     inverse = 1.0 / norm(m)
     n = scale(inverse, m)
     # in-plane normals of the sides opposite x1 and x2, over twice the area
     ta, tb = scale(-inverse, cross(b, n)), scale(inverse, cross(a, n))
-    f0, d0, c0 = _corner(n, (u[0], u[1], u[2]), ta, tb, p[0])
-    f1, d1, c1 = _corner(n, (u[3], u[4], u[5]), ta, tb, p[0])
-    f2, d2, c2 = _corner(n, (u[6], u[7], u[8]), ta, tb, p[0])
+    f0, a0, b0, c0 = _corner(n, u[0:3], ta, tb, p[0])
+    f1, a1, b1, c1 = _corner(n, u[3:6], ta, tb, p[0])
+    f2, a2, b2, c2 = _corner(n, u[6:9], ta, tb, p[0])
     z = 0.0 * inverse
     none, pair = (z, z, z), (z, z, z, z, z, z)
-    damping = (
-        c0[0] + pair + c0[1] + pair + c0[2] + pair
-        + none + c1[0] + none + none + c1[1] + none + none + c1[2] + none
-        + pair + c2[0] + pair + c2[1] + pair + c2[2]
+    stiffness = (
+        a0[:3] + b0[:3] + a0[3:6] + b0[3:6] + a0[6:] + b0[6:]
+        + a1[:3] + b1[:3] + a1[3:6] + b1[3:6] + a1[6:] + b1[6:]
+        + a2[:3] + b2[:3] + a2[3:6] + b2[3:6] + a2[6:] + b2[6:]
     )  # fmt: skip
-    return f0 + f1 + f2, d0 + d1 + d2, damping
+    damping = (
+        c0[:3] + pair + c0[3:6] + pair + c0[6:] + pair
+        + none + c1[:3] + none + none + c1[3:6] + none + none + c1[6:] + none
+        + pair + c2[:3] + pair + c2[3:6] + pair + c2[6:]
+    )  # fmt: skip
+    return f0 + f1 + f2, stiffness, damping
 
 
 AERODYNAMIC = DragKernel(
