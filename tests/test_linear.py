@@ -43,7 +43,7 @@ def system(kind: str, model: Model, seed: int = 0) -> tuple[SparsityPattern, Flo
     return pattern, values
 
 
-@pytest.mark.parametrize("shape", [helix(12), ring(12)], ids=["chain", "ring"])
+@pytest.mark.parametrize("shape", [helix(12), ring(12), helix(3)], ids=["chain", "ring", "full"])
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("name", SOLVERS)
 def test_solvers_agree(name: str, kind: str, shape: tuple) -> None:

@@ -162,7 +162,8 @@ class BandedSolver:
         return x
 
     def _product(self, x: FloatArray) -> FloatArray:
-        from scipy.linalg.blas import dgbmv, dsbmv
+        from scipy.linalg.blas import dsbmv
+        from scipy.sparse import dia_array
 
         p, u = self._pattern, self._width
         y: FloatArray
@@ -170,7 +171,9 @@ class BandedSolver:
             y = dsbmv(u, 1.0, self._band, x, lower=1)
         else:
             assert self._full is not None
-            y = dgbmv(p.m, p.m, u, u, 1.0, self._full.reshape(3 * u + 1, p.m, order="F")[u:], x)
+            # SciPy's dgbmv refuses bands wider than the matrix is long
+            band = self._full.reshape(3 * u + 1, p.m, order="F")[u:]
+            y = dia_array((band, np.arange(u, -u - 1, -1)), shape=(p.m, p.m)) @ x
         return y
 
 
