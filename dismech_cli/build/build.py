@@ -86,7 +86,7 @@ def build(
         *build_shell_elastic(loaded, geometry, free, shells, laws),
     )
     payload = point_masses(loaded, geometry, dofs.n_nodes)
-    forces = build_forces(loaded, geometry, dofs, payload, laws)
+    forces = build_forces(loaded, geometry, free, dofs, payload, laws)
     sides = [edge_lengths(geometry.nodes, topology.edges) for topology in free.topologies.values()]
     model = Model(
         dofs=dofs,

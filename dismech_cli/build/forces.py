@@ -25,6 +25,7 @@ from ..scenario.force import (
     Gravity,
     Hydrodynamic,
     LineLoad,
+    LineMoment,
     Moment,
     Point,
     Pressure,
@@ -37,7 +38,8 @@ from .geometry import Geometry
 from .inertia import nodal_mass, nodal_volume
 from .laws import ToLaw, components, vanishes
 from .selection import select_nodes
-from .shell_forces import line_lengths, shell_drag, shell_load
+from .shell_edges import ShellEdges
+from .shell_forces import line_lengths, line_moments, shell_drag, shell_load
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,13 +63,19 @@ class Forces:
 
 
 def build_forces(
-    loaded: LoadedScenario, geometry: Geometry, dofs: DofMap, payload: FloatArray, laws: ToLaw
+    loaded: LoadedScenario,
+    geometry: Geometry,
+    free: ShellEdges,
+    dofs: DofMap,
+    payload: FloatArray,
+    laws: ToLaw,
 ) -> Forces:
     """Make the force terms.
 
     Args:
         loaded: The scenario.
         geometry: The bodies.
+        free: Shell edges with free normals.
         dofs: Numbering.
         payload: Point mass of each node [kg], shape (n_nodes,).
         laws: Laws of time from those of the scenario.
@@ -107,6 +115,8 @@ def build_forces(
                 length = line_lengths(loaded, geometry, dofs.n_nodes, force.where, path)
                 vector = components(force.force_per_length, laws)
                 loads += _loads(loaded, dofs, name, (index, "force_per_length"), vector, length)
+            case LineMoment():
+                loads += line_moments(loaded, geometry, free, dofs, name, index, force, laws)
             case Distributed():
                 length = _nodal(geometry, dofs.n_nodes, _selected(geometry, force.rods))
                 vector = components(force.force_per_length, laws)

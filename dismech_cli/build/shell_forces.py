@@ -2,26 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
 from ..forces.aerodynamic import aerodynamic_drag
+from ..forces.edge_torque import EdgeTorque
 from ..forces.hydrodynamic import area_damping, hydrodynamic_drag
+from ..forces.moment import EdgeMoment
 from ..forces.pressure import pressure
 from ..forces.thrust import thrust
 from ..model.dofs import DofMap
 from ..model.mass import nodal_lengths
 from ..model.shell import edge_lengths, nodal_areas
 from ..model.term import Term
-from ..scenario.force import Aerodynamic, AreaDamping, Hydrodynamic, Pressure, Thrust
+from ..scenario.force import Aerodynamic, AreaDamping, Hydrodynamic, LineMoment, Pressure, Thrust
 from ..scenario.load import LoadedScenario
 from ..scenario.selection import Selection
 from .geometry import Geometry
 from .inertia import nodal_mass
-from .laws import ToLaw
+from .laws import ToLaw, components, vanishes
 from .selection import KeyPath, select_nodes
+from .shell_edges import ShellEdges
 
 
 def shell_drag(
@@ -99,6 +102,41 @@ def line_lengths(
     if edges.size == 0:
         raise loaded.error(path, "selects no edge of a shell")
     return nodal_lengths(n_nodes, edges, edge_lengths(geometry.nodes, edges))
+
+
+def line_moments(
+    loaded: LoadedScenario,
+    geometry: Geometry,
+    free: ShellEdges,
+    dofs: DofMap,
+    name: str,
+    index: int,
+    force: LineMoment,
+    laws: ToLaw,
+) -> Iterator[Term]:
+    """Moments on shell edges between selected nodes: across each edge a couple, along it a torque.
+
+    Raises:
+        ScenarioError: It selects no edge, or one without a normal to turn.
+    """
+    path = ("forces", index, "where")
+    nodes = select_nodes(loaded, geometry, force.where, path)
+    edges = np.flatnonzero(np.isin(free.edges, nodes).all(axis=1))
+    if edges.size == 0:
+        raise loaded.error(path, "selects no edge of a shell with mid-edge bending")
+    tails, heads = (dofs.of_nodes(free.edges[edges, k]) for k in (0, 1))
+    lengths = edge_lengths(geometry.nodes, free.edges[edges])
+    for axis, law in enumerate(components(force.moment_per_length, laws)):
+        if vanishes(law):
+            continue
+        moments = np.zeros((len(edges), 3))
+        moments[:, axis] = lengths
+        label = f"{name}.{'xyz'[axis]}"
+        across = np.empty(0, dtype=np.int64)
+        yield EdgeMoment(f"{label}.couple", tails, heads, across, dofs.axes, moments, law)
+        yield EdgeTorque(
+            f"{label}.torque", tails, heads, dofs.of_normals(edges), edges, dofs.n_normals, moments, law
+        )
 
 
 def _selected(geometry: Geometry, names: Sequence[str] | None) -> IntArray:

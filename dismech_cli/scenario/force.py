@@ -7,7 +7,7 @@ from typing import Annotated, Literal, TypeAlias
 from annotated_types import Len
 from pydantic import Field, Strict
 
-from .law import AccelerationLaws, ForceLaws, ForcePerLengthLaws, MomentLaws, PressureLaw
+from .law import AccelerationLaws, ForceLaws, ForcePerLengthLaws, MomentLaws, MomentPerLengthLaws, PressureLaw
 from .quantity import DirectionTriple, Name, Quantity
 from .selection import Selection
 from .spec import Spec
@@ -46,6 +46,16 @@ class LineLoad(Spec):
     type: Literal["line"] = Field(description="Kind of load.")
     where: Selection = Field(description="Nodes; an edge with both ends among them is loaded.")
     force_per_length: ForcePerLengthLaws = Field(description="Force per rest length, of fixed direction.")
+
+
+class LineMoment(Spec):
+    """A moment per length on the edges of shells with mid-edge bending between selected nodes."""
+
+    type: Literal["line_moment"] = Field(description="Kind of load.")
+    where: Selection = Field(description="Nodes; an edge with both ends among them is loaded.")
+    moment_per_length: MomentPerLengthLaws = Field(
+        description="Moment per rest length, of fixed direction; turns right-handed."
+    )
 
 
 class Moment(Spec):
@@ -131,6 +141,7 @@ Force: TypeAlias = Annotated[
     | Buoyancy
     | Point
     | LineLoad
+    | LineMoment
     | Moment
     | Distributed
     | Viscous

@@ -241,12 +241,14 @@ MomentLaw: TypeAlias = Annotated[LawSpec, LawOf("moment")]
 PressureLaw: TypeAlias = Annotated[LawSpec, LawOf("pressure")]
 AccelerationLaw: TypeAlias = Annotated[LawSpec, LawOf("acceleration")]
 ForcePerLengthLaw: TypeAlias = Annotated[LawSpec, LawOf("force per length")]
+MomentPerLengthLaw: TypeAlias = Annotated[LawSpec, LawOf("moment per length")]
 
 LengthLaws: TypeAlias = Annotated[tuple[LengthLaw, ...], Len(3, 3), Strict(False)]
 ForceLaws: TypeAlias = Annotated[tuple[ForceLaw, ...], Len(3, 3), Strict(False)]
 MomentLaws: TypeAlias = Annotated[tuple[MomentLaw, ...], Len(3, 3), Strict(False)]
 AccelerationLaws: TypeAlias = Annotated[tuple[AccelerationLaw, ...], Len(3, 3), Strict(False)]
 ForcePerLengthLaws: TypeAlias = Annotated[tuple[ForcePerLengthLaw, ...], Len(3, 3), Strict(False)]
+MomentPerLengthLaws: TypeAlias = Annotated[tuple[MomentPerLengthLaw, ...], Len(3, 3), Strict(False)]
 
 
 def to_law(

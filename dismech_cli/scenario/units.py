@@ -68,6 +68,7 @@ KINDS: Final[dict[str, Kind]] = {
     "force per length": Kind("a force per length", "N/m", Dimension(0, 1, -2)),
     "pressure": Kind("a pressure", "Pa", Dimension(-1, 1, -2)),
     "moment": Kind("a moment", "N*m", Dimension(2, 1, -2), (Dimension(2, 1, -2, -1),)),
+    "moment per length": Kind("a moment per length", "N*m/m", Dimension(1, 1, -2)),
     "energy": Kind("an energy", "J", Dimension(2, 1, -2)),
     "bending stiffness": Kind("a bending stiffness", "N*m^2", Dimension(3, 1, -2)),
     "damping per area": Kind("a damping per area", "N*s/m^3", Dimension(-2, 1, -1)),
