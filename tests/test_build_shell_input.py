@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
-from shell_decks import BELL, MIXED, SHEET, Deck, made, refused, rod, shell_deck, write
+from shell_decks import BELL, MIXED, SHEET, Deck, made, refused, shell_deck, write
 
 from dismech_cli import load
 from dismech_cli.build.doubts import unevenness
@@ -147,14 +147,6 @@ def test_refused_bodies(refused: Any, tmp_path: Path, body: Deck, message: str) 
     text = refused(shell_deck(body=body))
     assert "scene.yaml:" in text
     assert message in text
-
-
-def test_rigid_joints_to_shells_are_refused(refused: Any) -> None:
-    corner = {"nodes": {"of": "sheet", "indices": [0]}}
-    deck = shell_deck(joints=[{"type": "rigid", "nodes": [corner, "rod.start"]}])
-    deck["geometry"] = [*deck["geometry"], rod([0.0, 0.0, 0.0], [0.0, 0.0, 1.0])]
-    text = refused(deck)
-    assert "joints[0].type: a joint to a shell passes forces but no bending or twist; take 'hinge'" in text
 
 
 def test_stout_shells_are_doubtful(write: Any) -> None:

@@ -35,6 +35,7 @@ from .rod_actuation import build_rod_elastic
 from .rods import build_rods
 from .selection import select_nodes
 from .shell_edges import find_shell_edges
+from .shell_welds import build_shell_welds
 from .shells import build_shells
 from .skeleton import make_skeleton
 from .weld import weld_joints
@@ -83,6 +84,7 @@ def build(
     )
     elastic = (
         *build_rod_elastic(loaded, geometry, plan, skeleton, rods, laws),
+        *build_shell_welds(loaded, geometry, skeleton, numbering, rods),
         *build_shell_elastic(loaded, geometry, free, shells, laws),
     )
     payload = point_masses(loaded, geometry, dofs.n_nodes)

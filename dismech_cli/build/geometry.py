@@ -21,6 +21,21 @@ from .shell_body import ShellProperties, shell_mesh, shell_properties
 
 
 @dataclass(frozen=True, slots=True)
+class ShellWeld:
+    """The end of a rod that turns with a shell.
+
+    Attributes:
+        edge: The rod's edge.
+        node: The node that it shares with the shell.
+        joint: Place of the joint in the scenario's list.
+    """
+
+    edge: int
+    node: int
+    joint: int
+
+
+@dataclass(frozen=True, slots=True)
 class Geometry:
     """All bodies together.
 
@@ -42,6 +57,8 @@ class Geometry:
         rod_edges: Edges of each rod, in its own order.
         hinges: Nodes where no bending or twist passes between any edges.
         rod_hinges: Nodes where none passes between edges of different rods.
+        released: Nodes where ``bending`` or ``twist`` alone does not pass between different rods.
+        shell_welds: Ends of rods that turn with a shell.
         files: File of each body's mesh, or None, and its nodes' numbers there.
         notes: What the mesh readers said.
     """
@@ -63,6 +80,8 @@ class Geometry:
     rod_edges: Mapping[str, IntArray]
     hinges: IntArray
     rod_hinges: IntArray
+    released: Mapping[str, IntArray]
+    shell_welds: tuple[ShellWeld, ...]
     files: Mapping[str, tuple[Path, IntArray]]
     notes: tuple[str, ...]
 
@@ -153,6 +172,8 @@ def assemble_geometry(loaded: LoadedScenario) -> Geometry:
         rod_edges=rod_edges,
         hinges=empty,
         rod_hinges=empty,
+        released={},
+        shell_welds=(),
         files=files,
         notes=tuple(notes),
     )

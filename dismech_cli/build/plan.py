@@ -178,6 +178,8 @@ def _needs_frames(loaded: LoadedScenario, geometry: Geometry, holds: tuple[Hold,
         return "a motion turns an edge about the rod"
     if any(isinstance(a, CurvatureActuation | TwistActuation) for a in scenario.actuation):
         return "actuation acts on material curvature or twist"
+    if geometry.shell_welds:
+        return "a rod is welded to a shell"
     if _most_held(geometry, holds) > 1:
         return "a rod is held in rotation at more than one place"
     if "director" in scenario.output.fields or "twist" in scenario.output.fields:

@@ -144,7 +144,7 @@ def _node_dofs(dofs: DofMap, nodes: IntArray) -> IntArray:
 
 
 def _in_series(geometry: Geometry, skeleton: Skeleton, name: str) -> FloatArray:
-    """Stiffness of each joint: the two half edges bend or twist in series."""
+    """Stiffness of each joint: the two half edges bend or twist in series; 0 where it is released."""
     j = skeleton.joints
     per_edge = geometry.per_edge(name)
     per_edge = np.concatenate((per_edge, per_edge[skeleton.owners]))
@@ -152,7 +152,9 @@ def _in_series(geometry: Geometry, skeleton: Skeleton, name: str) -> FloatArray:
     same = k[:, 0] == k[:, 1]
     half = 0.5 * skeleton.rest_lengths[j.pairs]
     series = half.sum(axis=1) / (half / k).sum(axis=1)
-    return np.where(same, k[:, 0], series)
+    released = geometry.released["twist" if name == "torsional" else "bending"]
+    loose = (j.rod < 0) & np.isin(j.triples[:, 1], released)
+    return np.where(loose, 0.0, np.where(same, k[:, 0], series))
 
 
 def _stretch(loaded: LoadedScenario, geometry: Geometry, skeleton: Skeleton, dofs: DofMap) -> StencilEnergy:

@@ -10,9 +10,10 @@ import numpy as np
 
 from ..arrays import IntArray
 from ..model.shell import edge_lengths
-from ..scenario.joint import HingeJoint, RigidJoint
+from ..scenario.joint import HingeJoint
 from ..scenario.load import LoadedScenario
-from .geometry import Geometry
+from ..scenario.selection import SelectionPair
+from .geometry import Geometry, ShellWeld
 from .selection import select_single_node
 
 # Nodes of a joint must coincide to this fraction of the shortest edge.
@@ -23,11 +24,15 @@ def weld_joints(loaded: LoadedScenario, geometry: Geometry) -> Geometry:
     """Merge the nodes of joints, and those that a shell shares with other bodies of its file.
 
     Raises:
-        ScenarioError: Two nodes of a joint do not coincide, or it is rigid and one is on a shell.
+        ScenarioError: Two nodes of a joint do not coincide, or it is rigid and one is on a shell but the
+            other is no end of a rod.
     """
     target = np.arange(len(geometry.nodes))
     hinges: list[int] = []
     rod_hinges: list[int] = []
+    released: dict[str, list[int]] = {"bending": [], "twist": []}
+    welds: list[ShellWeld] = []
+    welded: list[tuple[int, int]] = []
     shared = _shared_by_file(geometry)
     for a, b in shared:
         target[target == target[b]] = target[a]
@@ -39,22 +44,25 @@ def weld_joints(loaded: LoadedScenario, geometry: Geometry) -> Geometry:
             hinges.append(select_single_node(loaded, geometry, joint.where, (*path, "where")))
             continue
         assert joint.nodes is not None
-        a, b = (
-            select_single_node(loaded, geometry, side, (*path, "nodes", k))
-            for k, side in enumerate(joint.nodes)
-        )
-        gap = float(np.linalg.norm(geometry.nodes[a] - geometry.nodes[b]))
-        if gap > near:
-            raise loaded.error(
-                (*path, "nodes"), f"the two nodes are {gap:.3g} m apart; a joint needs them to coincide"
-            )
-        if isinstance(joint, RigidJoint) and np.isin((a, b), geometry.triangles).any():
-            raise loaded.error(
-                (*path, "type"), "a joint to a shell passes forces but no bending or twist; take 'hinge'"
-            )
+        a, b = _pair(loaded, geometry, joint.nodes, near, (*path, "nodes"))
         target[target == target[b]] = target[a]
         if isinstance(joint, HingeJoint):
             rod_hinges.append(a)
+            continue
+        on_shell = np.isin((a, b), geometry.triangles)
+        if on_shell.any():
+            welds.append(_shell_weld(loaded, geometry, index, (b, a) if on_shell[0] else (a, b)))
+            continue
+        if joint.footprint is not None:
+            raise loaded.error((*path, "footprint"), "neither node is on a shell")
+        welded.append((index, a))
+        if joint.release is not None:
+            released[joint.release].append(a)
+    through_shells = [target[weld.node] for weld in welds]
+    for index, a in welded:
+        if target[a] in through_shells:
+            raise loaded.error(("joints", index), "a shell joins these rods: weld each of them to it instead")
+    rod_hinges += [weld.node for weld in welds]
     kept, index_of = np.unique(target, return_inverse=True)
 
     def moved(groups: Mapping[str, IntArray]) -> dict[str, IntArray]:
@@ -76,7 +84,48 @@ def weld_joints(loaded: LoadedScenario, geometry: Geometry) -> Geometry:
         body_nodes=moved(geometry.body_nodes),
         hinges=index_of[np.array(hinges, dtype=np.int64)],
         rod_hinges=index_of[np.array(rod_hinges, dtype=np.int64)],
+        released={what: index_of[np.array(nodes, dtype=np.int64)] for what, nodes in released.items()},
+        shell_welds=tuple(replace(weld, node=int(index_of[weld.node])) for weld in welds),
     )
+
+
+def _pair(
+    loaded: LoadedScenario, geometry: Geometry, nodes: SelectionPair, near: float, path: tuple[str | int, ...]
+) -> tuple[int, int]:
+    """The two nodes of a joint.
+
+    Where the second selection finds the first node again, as the nearest to a point may, it means the
+    one other node at that place.
+    """
+    a, b = (select_single_node(loaded, geometry, side, (*path, k)) for k, side in enumerate(nodes))
+    if a == b:
+        gaps = np.linalg.norm(geometry.nodes - geometry.nodes[a], axis=1)
+        others = np.setdiff1d(np.flatnonzero(gaps <= near), [a])
+        if len(others) != 1:
+            raise loaded.error(
+                path, f"both select one node, and {len(others)} others are at its place; expected one"
+            )
+        b = int(others[0])
+    gap = float(np.linalg.norm(geometry.nodes[a] - geometry.nodes[b]))
+    if gap > near:
+        raise loaded.error(path, f"the two nodes are {gap:.3g} m apart; a joint needs them to coincide")
+    return a, b
+
+
+def _shell_weld(loaded: LoadedScenario, geometry: Geometry, index: int, nodes: tuple[int, int]) -> ShellWeld:
+    """The end of a rod, the first node, that turns with the shell at the second."""
+    edges = np.flatnonzero((geometry.edges == nodes[0]).any(axis=1))
+    if len(edges) == 0:
+        raise loaded.error(
+            ("joints", index, "nodes"),
+            "a rigid joint welds rods, or a rod to a shell; for two shells take 'hinge'",
+        )
+    if len(edges) > 1:
+        raise loaded.error(
+            ("joints", index, "nodes"),
+            f"{len(edges)} edges of a rod meet here; only its end is welded to a shell: part it there",
+        )
+    return ShellWeld(int(edges[0]), nodes[1], index)
 
 
 def _shared_by_file(geometry: Geometry) -> list[tuple[int, int]]:

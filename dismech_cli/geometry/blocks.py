@@ -129,7 +129,16 @@ def pack_three(aa: Block, ab: Block, ac: Block, bb: Block, bc: Block, cc: Block)
 
 @kernel
 def pack_three_and_angle(
-    aa: Block, ab: Block, ac: Block, bb: Block, bc: Block, cc: Block, at: Vector, bt: Vector, ct: Vector, tt: Any
+    aa: Block,
+    ab: Block,
+    ac: Block,
+    bb: Block,
+    bc: Block,
+    cc: Block,
+    at: Vector,
+    bt: Vector,
+    ct: Vector,
+    tt: Any,
 ) -> Any:
     """Packed 10x10 Hessian of three vectors and an angle.
 

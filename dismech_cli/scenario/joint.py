@@ -6,19 +6,31 @@ from typing import Annotated, Literal, TypeAlias
 
 from pydantic import Field, model_validator
 
+from .quantity import PositiveLength
 from .selection import Selection, SelectionPair
 from .spec import Spec, exactly_one
 
 
 class RigidJoint(Spec):
-    """Welds two coinciding nodes: bending and twist pass through every pair of edges there."""
+    """Welds two coinciding nodes: bending and twist pass through every pair of edges there.
+
+    The end of a rod may be welded to a shell: it then turns with the triangles around the node.
+    """
 
     type: Literal["rigid"] = Field(description="Kind of joint.")
     nodes: SelectionPair = Field(description="The two nodes.")
+    release: Literal["bending", "twist"] | None = Field(
+        default=None, description="What does not pass after all; for both, take `hinge`."
+    )
+    footprint: PositiveLength | None = Field(
+        default=None,
+        description="Joint to a shell: the rod turns with the triangles whose middles are so near, and with "
+        "those around the node; default: the radius of the rod.",
+    )
 
 
 class HingeJoint(Spec):
-    """Joins two coinciding nodes, or releases one: no bending or twist passes; the joint of shells.
+    """Joins two coinciding nodes, or releases one: no bending or twist passes.
 
     Nodes that a shell and another body take from one mesh file are joined so without being asked.
     """

@@ -1,0 +1,205 @@
+"""A rod clamped to a face of a shell: E = sum_i K_i w_i^2 / 2, w the turn between their frames.
+
+The face carries a copy (g0, g1, g2) of the frame (t, m1, m2) that the rod has at rest; w is the
+rotation vector 2 tan(phi/2) n from the rod's frame to that copy (Cayley's, twice Rodrigues'
+parameters), by components along the rod's frame: w0 is twist, w1 and w2 bend about m1 and m2. For
+bending alone |w| is the discrete curvature of rods, 2 tan(phi/2), and the energy is theirs. Only
+angles between directions of the same state enter, so rigid motions cost nothing.
+
+The face turns with its normal and, about it, with the rotation of the polar decomposition of its
+deformation: stretching a sheet does not turn the rods on it. The tangent of the rod points to the
+shell; a sign of -1 says that its edge runs the other way: then m1 stays, m2 and theta change sign.
+As in all energies of rods the second derivatives are those along paths on which the frame is
+parallel-transported, which are exact where frames are stored (Bergou et al. 2010).
+
+Parameters per stencil: K_0, K_1, K_2 [N m]; alpha, beta_u, beta_v [1/m], which write the unit vector
+along u at rest as alpha u and the one across it in the face as beta_u u + beta_v v; the components
+of the rod's rest frame (t, m1, m2) along, across and normal to the face [1]; the sign. Auxiliary
+inputs: m1, m2 of the rod's edge.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ..arrays import FloatArray, IntArray
+from ..geometry.blocks import (
+    add_block,
+    add_symmetric,
+    outer_sum,
+    pack_three_and_angle,
+    symmetric_outer_sum,
+)
+from ..geometry.face_rotation import face_axes, face_frame, face_turning
+from ..geometry.kernel import kernel
+from ..geometry.vectors import Vector, add, combine, cross, dot, norm, outer, scale, sym_outer
+from ..model.dofs import DofMap
+from ..model.stencil import Kernel, StencilEnergy
+
+
+@kernel
+def turn(d0: Vector, d1: Vector, d2: Vector, g0: Vector, g1: Vector, g2: Vector) -> Vector:
+    """Rotation vector 2 tan(phi/2) n from frame d to frame g."""
+    trace = dot(d0, g0) + dot(d1, g1) + dot(d2, g2)
+    return scale(2.0 / (1.0 + trace), add(add(cross(d0, g0), cross(d1, g1)), cross(d2, g2)))
+
+
+@kernel
+def transposed_turn(w: Vector, a: Vector) -> Vector:
+    """Return a + w x a / 2 + (w.a) w / 4: its product with a spin is a . (the change of w)."""
+    return add(a, combine(0.5, cross(w, a), 0.25 * dot(w, a), w))
+
+
+@kernel
+def slopes(
+    t: Vector, d0: Vector, il: Any, s: Any, n: Vector, iu: Vector, iv: Vector, pu: Vector, pv: Vector
+) -> Any:
+    """Slopes, with respect to (e, u, v, theta), of t . (spin of the face - spin of the rod).
+
+    The rod spins by d0 x de / l + s dtheta d0, the face by -(n.du) v/A + (n.dv) u/A + n (pu.du + pv.dv).
+    """
+    turned = dot(n, t)
+    return (
+        scale(il, cross(d0, t)),
+        combine(-dot(iv, t), n, turned, pu),
+        combine(dot(iu, t), n, turned, pv),
+        -s * dot(d0, t),
+    )
+
+
+@kernel
+def rod_on_face(y: Any, a: Any, p: Any) -> Any:
+    """Energy, gradient and packed Hessian with respect to (e, u, v, theta)."""
+    e, u, v, s = y[0:3], y[3:6], y[6:9], p[15]
+    alpha, beta_u, beta_v = p[3], p[4], p[5]
+    il = 1.0 / norm(e)
+    d0, d1, d2 = scale(il, e), a[0:3], scale(s, a[3:6])
+    f, h, n, size, area, pu, pv = face_frame(u, v, alpha, beta_u, beta_v)
+    g0 = combine(p[6], f, 1.0, combine(p[7], h, p[8], n))
+    g1 = combine(p[9], f, 1.0, combine(p[10], h, p[11], n))
+    g2 = combine(p[12], f, 1.0, combine(p[13], h, p[14], n))
+    w = turn(d0, d1, d2, g0, g1, g2)
+    w0, w1, w2 = dot(w, d0), dot(w, d1), dot(w, d2)
+    energy = 0.5 * (p[0] * w0 * w0 + p[1] * w1 * w1 + p[2] * w2 * w2)
+    # dE = m . (spin of the face - spin of the rod)
+    m = transposed_turn(w, combine(p[0] * w0, d0, 1.0, combine(p[1] * w1, d1, p[2] * w2, d2)))
+    iu, iv = scale(1.0 / area, u), scale(1.0 / area, v)
+    me, mu, mv, mt = slopes(m, d0, il, s, n, iu, iv, pu, pv)
+
+    # second derivatives along the relative spin: sum_i K_i t_i t_i^T + (w m^T + m w^T)/4
+    we, wu, wv, wt = slopes(scale(0.25, w), d0, il, s, n, iu, iv, pu, pv)
+    ae, au, av, at = slopes(scale(p[0] ** 0.5, transposed_turn(w, d0)), d0, il, s, n, iu, iv, pu, pv)
+    be, bu, bv, bt = slopes(scale(p[1] ** 0.5, transposed_turn(w, d1)), d0, il, s, n, iu, iv, pu, pv)
+    ce, cu, cv, ct = slopes(scale(p[2] ** 0.5, transposed_turn(w, d2)), d0, il, s, n, iu, iv, pu, pv)
+
+    # m . (spin of the face x spin of the rod), half of it in each of two transposed blocks
+    along = 0.5 * il * dot(d0, m)
+    d0xm = cross(d0, m)
+    xn = combine(along, n, -0.5 * il * dot(d0, n), m)
+    xu = combine(along, iu, -0.5 * il * dot(d0, iu), m)
+    xv = combine(along, iv, -0.5 * il * dot(d0, iv), m)
+    _, ru, rv, _ = slopes(scale(0.5 * s, d0xm), d0, il, s, n, iu, iv, pu, pv)
+    # m . change of the rod's spin along a straight path of e
+    rt = scale(-0.5 * s * il, combine(1.0, m, -dot(d0, m), d0))
+
+    ee = add_symmetric(symmetric_outer_sum((ae, be, ce), (ae, be, ce)), sym_outer(we, me))
+    ee = add_symmetric(ee, sym_outer(scale(-il * il, d0), d0xm))
+    uu, uv, vv = face_turning(m, u, v, f, h, n, size, area, alpha, beta_u, beta_v, pu, pv)
+    uu = add_symmetric(uu, add_symmetric(symmetric_outer_sum((au, bu, cu), (au, bu, cu)), sym_outer(wu, mu)))
+    vv = add_symmetric(vv, add_symmetric(symmetric_outer_sum((av, bv, cv), (av, bv, cv)), sym_outer(wv, mv)))
+    uv = add_block(
+        uv, add_block(outer_sum((au, bu, cu), (av, bv, cv)), add_block(outer(wu, mv), outer(mu, wv)))
+    )
+    # rows e, columns u and v: the transposed of n x_v^T and the like
+    eu = add_block(outer_sum((ae, be, ce), (au, bu, cu)), outer_sum((we, me, xn), (mu, wu, pu)))
+    eu = add_block(eu, outer(scale(-1.0, xv), n))
+    ev = add_block(outer_sum((ae, be, ce), (av, bv, cv)), outer_sum((we, me, xn), (mv, wv, pv)))
+    ev = add_block(ev, outer(xu, n))
+    et = add(combine(at, ae, bt, be), add(combine(ct, ce, 1.0, rt), combine(mt, we, wt, me)))
+    ut = add(combine(at, au, bt, bu), add(combine(ct, cu, 1.0, ru), combine(mt, wu, wt, mu)))
+    vt = add(combine(at, av, bt, bv), add(combine(ct, cv, 1.0, rv), combine(mt, wv, wt, mv)))
+    tt = at * at + bt * bt + ct * ct + 2.0 * wt * mt
+    gradient = (me[0], me[1], me[2], mu[0], mu[1], mu[2], mv[0], mv[1], mv[2], mt)
+    return energy, gradient, pack_three_and_angle(ee, eu, ev, uu, uv, vv, et, ut, vt, tt)
+
+
+@kernel
+def rod_beside_face(y: Any, a: Any, p: Any) -> Any:
+    """The same for a face that does not end at the joint: its stencil has a node more."""
+    return rod_on_face(y, a, p)
+
+
+ROD_ON_FACE = Kernel(
+    rod_on_face,
+    dimension=3,
+    nodes=4,
+    vectors=((0, 1), (1, 2), (1, 3)),
+    angles=1,
+    auxiliaries=6,
+    naturals=0,
+    parameters=16,
+)
+ROD_BESIDE_FACE = Kernel(
+    rod_beside_face,
+    dimension=3,
+    nodes=5,
+    vectors=((0, 1), (2, 3), (2, 4)),
+    angles=1,
+    auxiliaries=6,
+    naturals=0,
+    parameters=16,
+)
+
+
+def rod_shell_terms(
+    name: str,
+    dofs: DofMap,
+    positions: FloatArray,
+    rods: IntArray,
+    triangles: IntArray,
+    angles: IntArray,
+    signs: FloatArray,
+    directors: FloatArray,
+    stiffness: FloatArray,
+    places: IntArray,
+) -> tuple[StencilEnergy, ...]:
+    """Build the energy of rods clamped to faces, stress-free in the rest shape.
+
+    Args:
+        name: Unique name; the part whose faces do not end at their joint adds ``.beside``.
+        dofs: Numbering.
+        positions: Rest positions [m], shape (N, 3).
+        rods: Far node of each rod's edge and its node at the joint, shape (S, 2).
+        triangles: A face for each, without the far node, shape (S, 3).
+        angles: DOF of the angle of each rod's edge, shape (S,).
+        signs: +1 where the edge runs to the joint, -1 where it runs from it, shape (S,).
+        directors: First and second director of the edge at rest, shape (2, S, 3).
+        stiffness: K_0, K_1, K_2 [N m], shape (3, S).
+        places: Auxiliary indices of both directors by component, shape (S, 6).
+
+    Returns:
+        Energies with one stencil per pair of a rod and a face; none without pairs.
+    """
+    ends = triangles == rods[:, 1:]
+    # corners in turn, the one at the joint first
+    first = np.argmax(ends, axis=1)[:, None]
+    corners = np.take_along_axis(triangles, (first + np.arange(3)) % 3, axis=1)
+    x = positions[corners]
+    across, rest = face_axes(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0])
+    tangent = positions[rods[:, 1]] - positions[rods[:, 0]]
+    tangent = tangent / np.linalg.norm(tangent, axis=1)[:, None]
+    frame = np.stack((tangent, directors[0], signs[:, None] * directors[1]), axis=1)
+    cosines = np.einsum("sic,sjc->ijs", frame, rest).reshape(9, -1)
+    parameters = np.concatenate((stiffness, across, cosines, signs[None]))
+    terms = []
+    at_joint = ends.any(axis=1)
+    for label, energy, mine, nodes in (
+        (name, ROD_ON_FACE, at_joint, np.column_stack((rods[:, :1], corners))),
+        (f"{name}.beside", ROD_BESIDE_FACE, ~at_joint, np.column_stack((rods, corners))),
+    ):
+        if mine.any():
+            stencil = np.column_stack((dofs.of_nodes(nodes[mine]).reshape(mine.sum(), -1), angles[mine]))
+            terms.append(StencilEnergy(label, energy, stencil, parameters[:, mine], places[mine]))
+    return tuple(terms)
