@@ -46,6 +46,11 @@ class DofMap:
         """DOFs in all."""
         return self.n_positions + self.n_angles + self.n_normals
 
+    @property
+    def _columns(self) -> slice:
+        """The axes as columns of a space array: a slice is written many times faster than a list."""
+        return slice(self.axes[0], self.axes[-1] + 1, self.axes[1] - self.axes[0])
+
     def of_nodes(self, nodes: IntArray) -> IntArray:
         """DOFs of nodes, shape (*nodes.shape, dimension)."""
         return np.asarray(nodes)[..., None] * self.dimension + np.arange(self.dimension)
@@ -65,13 +70,13 @@ class DofMap:
     def space_positions(self, q: FloatArray) -> FloatArray:
         """Node positions in space [m], shape (n_nodes, 3)."""
         out = np.full((self.n_nodes, 3), self.hidden)
-        out[:, self.axes] = self.positions(q)
+        out[:, self._columns] = self.positions(q)
         return out
 
     def embed(self, values: FloatArray) -> FloatArray:
         """Turn nodal vectors of shape (k, dimension) into space vectors (k, 3)."""
         out = np.zeros((len(values), 3))
-        out[:, self.axes] = values
+        out[:, self._columns] = values
         return out
 
     def project(self, vectors: FloatArray) -> FloatArray:

@@ -11,12 +11,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import BoolArray, FloatArray
+from ..arrays import FloatArray
 from ..forces.load import DeadLoad
 from ..model.configuration import Configuration
 from ..model.driven import BoundDriven
 from ..model.frames import NoFrames
 from ..model.model import Model
+from ..model.motion import moving_dofs
 from ..model.state import State
 from ..model.term import BoundEnergy, BoundTerm
 
@@ -43,16 +44,21 @@ class EnergyAccount:
 
     columns = ("external_work", "actuation_work", "dissipation", "initial")
 
-    def __init__(self, model: Model, roles: Roles) -> None:
+    def __init__(self, model: Model, roles: Roles, initial_velocity: FloatArray) -> None:
         self._model = model
+        self._initial_velocity = initial_velocity
+        self._size = float(np.ptp(model.dofs.positions(model.rest), axis=0).max())
+        self._mass = float(model.mass.sum())
         self._roles = roles
         self._bound: Mapping[str, BoundTerm] = {}
         self._elastic: Sequence[BoundEnergy] = ()
         self._gravitational: Sequence[BoundEnergy] = ()
         self.sums = dict.fromkeys(self.columns, 0.0)
 
-    def bind(self, terms: Sequence[BoundTerm]) -> None:
-        """Use these bound terms from now on."""
+    def bind(self, terms: Sequence[BoundTerm], t: float) -> None:
+        """Use these bound terms from time ``t`` [s] on, with the DOFs that are held then."""
+        model = self._model
+        self._moving = moving_dofs(model.motions, model.rest, self._initial_velocity, t)
         self._bound = {term.name: term for term in terms}
         # once per binding: a check against a protocol costs as much as a term
         energies = [term for term in terms if isinstance(term, BoundEnergy)]
@@ -67,21 +73,14 @@ class EnergyAccount:
         self.sums["initial"] = 0.0
         self.sums["initial"] = self.measure(state)["error"]
 
-    def advance(self, before: State, after: State, held: BoolArray) -> None:
-        """Book the work of one step.
-
-        Args:
-            before: State at its start.
-            after: State at its end.
-            held: Mask of held DOFs, shape (n,).
-        """
-        moved = after.q - before.q
-        work = self._work_of_holds(before, after, moved, held)
+    def advance(self, before: State, after: State) -> None:
+        """Book the work of the step between two states."""
+        if self._moving.size:
+            self.sums["external_work"] += self._work_of_holds(before, after)
         if self._roles.loads or self._roles.dissipative:
-            middle = self._middle(before, after)
-            work -= self._work(self._roles.loads, middle, moved)
+            middle, moved = self._middle(before, after), after.q - before.q
+            self.sums["external_work"] -= self._work(self._roles.loads, middle, moved)
             self.sums["dissipation"] += self._work(self._roles.dissipative, middle, moved)
-        self.sums["external_work"] += work
         self._book_drives(before, after)
         self._book_gravity_change(before, after)
 
@@ -108,28 +107,27 @@ class EnergyAccount:
             seconds: Duration of the run [s]. Motions below a millionth of the robot's size in that
                 time are round-off, not energy.
         """
-        q = self._model.dofs.positions(self._model.rest)
-        speed = 1e-6 * float(np.ptp(q, axis=0).max()) / seconds
+        speed = 1e-6 * self._size / seconds
         given = abs(entries["external_work"]) + abs(entries["dissipation"]) + abs(self.sums["initial"])
-        given += abs(entries["gravitational"]) + float(self._model.mass.sum()) * speed**2
+        given += abs(entries["gravitational"]) + self._mass * speed**2
         return entries["error"] > _RUNAWAY * given
 
-    def _work_of_holds(self, before: State, after: State, moved: FloatArray, held: BoolArray) -> float:
+    def _work_of_holds(self, before: State, after: State) -> float:
         """Work of what holds and drives [J]: against all forces by the trapezoidal rule, and on masses.
 
         Mean forces, not forces of the mean state: there, edges that turn are shorter.
         """
-        if not held.any():
-            return 0.0
-        squares = after.v[held] ** 2 - before.v[held] ** 2
-        work = 0.5 * float(self._model.mass[held] @ squares)
-        if moved[held].any():
-            r = np.zeros_like(moved)
+        moving = self._moving
+        path = after.q[moving] - before.q[moving]
+        squares = after.v[moving] ** 2 - before.v[moving] ** 2
+        work = 0.5 * float(self._model.mass[moving] @ squares)
+        if path.any():
+            r = np.zeros_like(after.q)
             for state in (before, after):
                 c = self._at(state, state.t)
                 for term in self._bound.values():
                     term.add_residual(c, r)
-            work += 0.5 * float(r[held] @ moved[held])
+            work += 0.5 * float(r[moving] @ path)
         return work
 
     def _middle(self, before: State, after: State) -> Configuration:

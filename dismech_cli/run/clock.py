@@ -44,13 +44,11 @@ class Clock:
     part: int = 0
     level: int = 0
 
-    def now(self, grid: FloatArray) -> float:
-        """Time [s] at the start of the next step."""
-        return self._time(grid, self.part)
-
     def target(self, grid: FloatArray) -> float:
         """Time [s] at the end of the next step."""
-        return self._time(grid, self.part + 1)
+        start, end = float(grid[self.index]), float(grid[self.index + 1])
+        part = self.part + 1
+        return end if part == 2**self.level else start + (end - start) * (part / 2**self.level)
 
     def done(self, grid: FloatArray) -> bool:
         """Whether the end of the grid is reached."""
@@ -69,9 +67,3 @@ class Clock:
     def failed(self) -> Clock:
         """The clock with the next step halved."""
         return replace(self, part=2 * self.part, level=self.level + 1)
-
-    def _time(self, grid: FloatArray, part: int) -> float:
-        start, end = float(grid[self.index]), float(grid[self.index + 1])
-        if part == 2**self.level:
-            return end
-        return start + (end - start) * (part / float(2**self.level))

@@ -157,11 +157,10 @@ def run(
         announce: Told once which solver was chosen.
     """
     stepper = Stepper(simulation.model, simulation.integrator, simulation.newton, simulation.linear_solver)
-    account = EnergyAccount(simulation.model, simulation.roles)
+    account = EnergyAccount(simulation.model, simulation.roles, simulation.initial_velocity)
     loop = _Loop(simulation, stepper, account, Observer(simulation, stepper, account), sink)
     if resume_from is None:
-        state = stepper.prepare(stepper.rest_state(simulation.initial_velocity))
-        account.bind(stepper.system.terms)
+        state = _prepared(loop, stepper.rest_state(simulation.initial_velocity))
         account.start(state)
         _emit(loop, state, _at_rest(state), 0.0)
     else:
@@ -172,14 +171,11 @@ def run(
 
 def _advance(loop: _Loop, state: State, limits: Limits, stop: StopRequest) -> Outcome:
     grid, last = loop.simulation.grid, deque[StepRecord](maxlen=5)
-    saved = time.monotonic()
+    t_end, saved = float(grid[-1]), time.monotonic()
     while not loop.clock.done(grid):
-        now, target = loop.clock.now(grid), loop.clock.target(grid)
+        now, target = state.t, loop.clock.target(grid)
         tick = time.perf_counter()
-        analyses = loop.stepper.analyses
-        state = loop.stepper.prepare(state)
-        if loop.stepper.analyses != analyses:
-            loop.account.bind(loop.stepper.system.terms)
+        state = _prepared(loop, state)
         result = loop.stepper.step(state, target - now)
         loop.seconds["solve"] += time.perf_counter() - tick
         last.append(StepRecord(target, target - now, result.iterations, result.residual_norm, result.status))
@@ -194,18 +190,19 @@ def _advance(loop: _Loop, state: State, limits: Limits, stop: StopRequest) -> Ou
             loop.counters.cuts += 1
             loop.sink.event("step_cut", now, dt=target - now, status=result.status.name)
             continue
-        after = replace(result.state, t=target)
-        loop.account.advance(state, after, loop.stepper.held)
+        # the integrator adds dt, which may round
+        after = result.state if result.state.t == target else replace(result.state, t=target)
+        loop.account.advance(state, after)
         state = after
         loop.clock = loop.clock.succeeded()
         loop.counters.steps += 1
         frame = _emit(loop, state, result, target - now)
-        if frame is not None and loop.account.runs_away(frame.energies, float(grid[-1])):
+        if frame is not None and loop.account.runs_away(frame.energies, t_end):
             message = describe_runaway(state.t, target - now, frame.energies)
             loop.sink.event("failed", state.t, message=message)
             return _outcome(loop, state, End.FAILED, message)
         loop.sink.progress(
-            Progress(state.t, float(grid[-1]), target - now, loop.counters.steps, loop.counters.iterations)
+            Progress(state.t, t_end, target - now, loop.counters.steps, loop.counters.iterations)
         )
         if _pause(loop, state, limits, stop):
             return _outcome(loop, state, End.INTERRUPTED, _why(loop, limits, stop))
@@ -214,6 +211,15 @@ def _advance(loop: _Loop, state: State, limits: Limits, stop: StopRequest) -> Ou
             saved = time.monotonic()
     _checkpoint(loop, state)
     return _outcome(loop, state, End.DONE, "")
+
+
+def _prepared(loop: _Loop, state: State) -> State:
+    """Start a step: the account follows the stepper to other free DOFs."""
+    analyses = loop.stepper.analyses
+    state = loop.stepper.prepare(state)
+    if loop.stepper.analyses != analyses:
+        loop.account.bind(loop.stepper.system.terms, state.t)
+    return state
 
 
 def _pause(loop: _Loop, state: State, limits: Limits, stop: StopRequest) -> bool:
@@ -251,13 +257,14 @@ def _at_rest(state: State) -> StepResult:
 
 def _emit(loop: _Loop, state: State, result: StepResult, dt: float) -> Snapshot | None:
     """Watch every state; write a frame when one is due, and return what it shows."""
+    due = loop.counters.frames * loop.simulation.frame_every * (1.0 - 1e-12)
+    framed = state.t >= due or loop.clock.done(loop.simulation.grid)
+    if not framed and not loop.observer.watched:
+        return None
     tick = time.perf_counter()
     snapshot = loop.observer.snapshot(state, result.residual)
     loop.observer.watch(snapshot)
-    due = loop.counters.frames * loop.simulation.frame_every
-    grid = loop.simulation.grid
-    at_end = loop.clock.done(grid)
-    if state.t < due * (1.0 - 1e-12) and not at_end:
+    if not framed:
         loop.seconds["observe"] += time.perf_counter() - tick
         return None
     frame = loop.observer.frame(
@@ -299,6 +306,4 @@ def _restore(loop: _Loop, arrays: Arrays, numbers: Mapping[str, int | float]) ->
     loop.since_frame, loop.wall_before = int(numbers["since_frame"]), float(numbers["wall"])
     loop.observer.times = arrays["watch.t"].tolist()
     loop.observer.watched = {name: arrays[f"watch.{name}"].tolist() for name in loop.observer.watched}
-    state = loop.stepper.prepare(state)
-    loop.account.bind(loop.stepper.system.terms)
-    return state
+    return _prepared(loop, state)

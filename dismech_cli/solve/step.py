@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from math import inf
 
 import numpy as np
 
-from ..arrays import BoolArray, FloatArray
+from ..arrays import FloatArray, IntArray
 from ..model.model import Model
-from ..model.motion import held_dofs, prescribe
+from ..model.motion import held_dofs, held_span, prescribe
 from ..model.state import State
 from .inertia import negative_eigenvalues
 from .integrators import Integrator, Stage, Weights
@@ -43,7 +44,13 @@ class StepResult:
 
 
 class Stepper:
-    """Steps a model; keeps what does not change from step to step."""
+    """Steps a model; keeps what does not change from step to step.
+
+    Attributes:
+        system: The model bound to the DOFs that are free.
+        solver: Its linear solver.
+        analyses: How often the model was bound.
+    """
 
     def __init__(self, model: Model, integrator: Integrator, settings: NewtonSettings, solver: str) -> None:
         """Bind the model.
@@ -58,8 +65,10 @@ class Stepper:
         self.integrator = integrator
         self._settings = settings
         self._wanted = solver
-        self._held = np.ones(0, dtype=bool)
         self._massless = (model.mass == 0.0) & model.mass.any()
+        self._since, self._until = inf, inf
+        self._led: IntArray
+        self._held: IntArray
         self.system: System
         self.solver: LinearSolver
         self.analyses = 0
@@ -76,23 +85,12 @@ class Stepper:
         At the start and where a motion lets go the acceleration jumps: it is made consistent with
         the balance of forces.
         """
-        held = held_dofs(self.model.motions, self.model.dofs.n, state.t)
-        if not np.array_equal(held, self._held):
-            self._held = held
-            self.system = System(self.model, ~held)
-            name = choose_solver(self.system.pattern) if self._wanted == "auto" else self._wanted
-            self.solver = LINEAR_SOLVERS[name]()
-            self.solver.analyze(self.system.pattern)
-            self.analyses += 1
-        jumps = state.t == 0.0 or any(state.t == motion.release for motion in self.model.motions)
-        if self.integrator.needs_acceleration and jumps:
+        if not self._since <= state.t < self._until:
+            self._bind(state.t)
+        jumps = state.t in (0.0, self._since)
+        if jumps and self.integrator.needs_acceleration:
             return replace(state, a=self._consistent_acceleration(state))
         return state
-
-    @property
-    def held(self) -> BoolArray:
-        """Mask of the DOFs held in the current step, shape (n,)."""
-        return self._held
 
     def step(self, start: State, dt: float) -> StepResult:
         """Advance ``start`` (already prepared) by ``dt``."""
@@ -110,7 +108,7 @@ class Stepper:
             latest = self._accept(stage, latest, result.q)
         # What holds a mass also moves it, along its path and not as the integrator would have it.
         held = self._held
-        wanted = (latest.v - start.v)[held] / dt
+        wanted = (latest.v[held] - start.v[held]) / dt
         inertia = self.model.mass[held] * (wanted - stage.acceleration(result.q)[held])
         result.residual[held] += inertia
         return StepResult(latest, Status.CONVERGED, iterations, result.residual_norm, result.residual, -1)
@@ -121,11 +119,22 @@ class Stepper:
         values = self.system.linearize(stage, state.q, state.frames).values
         return negative_eigenvalues(self.system.pattern, values)
 
+    def _bind(self, t: float) -> None:
+        motions = self.model.motions
+        self._since, self._until = held_span(motions, t)
+        held = held_dofs(motions, self.model.dofs.n, t)
+        self._held, self._led = np.flatnonzero(held), np.flatnonzero(held | self._massless)
+        self.system = System(self.model, ~held)
+        name = choose_solver(self.system.pattern) if self._wanted == "auto" else self._wanted
+        self.solver = LINEAR_SOLVERS[name]()
+        self.solver.analyze(self.system.pattern)
+        self.analyses += 1
+
     def _accept(self, stage: Stage, before: State, q: FloatArray) -> State:
         v, a = stage.finish(q)
         # Held DOFs move on a given path, massless ones (mid-edge normals) go where balance puts them:
         # their difference quotient is free of the integrator's ringing.
-        led = self._held | self._massless
+        led = self._led
         v[led] = (q[led] - before.q[led]) / (stage.t_end - before.t)
         a[led] = 0.0
         frames = self.model.frames.transport(before.frames, q).state
@@ -147,7 +156,8 @@ class Stepper:
             a_end=(0.0, zero),
         )
         r = self.system.linearize(stage, state.q, state.frames).residual
-        movable = ~self._held & (self.model.mass > 0.0)
+        free = self.system.pattern.free
+        movable = free[self.model.mass[free] > 0.0]
         a = np.zeros(n)
         a[movable] = -r[movable] / self.model.mass[movable]
         return a
