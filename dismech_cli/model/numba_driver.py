@@ -35,19 +35,23 @@ _KERNEL_OPTIONS: Any = {"fastmath": {"nsz", "arcp", "contract", "afn", "reassoc"
 
 
 @cache
-def cache_folder() -> Path:
-    """Folder of loops and compiled code: user cache directory / hash of the kernel sources.
-
-    ``DISMECH_CACHE`` names another place; without a writable one a temporary folder serves.
-    """
+def _digest_of_sources() -> str:
     package = Path(__file__).resolve().parents[1]
     digest = hashlib.sha256()
     for layer in ("geometry", "model", "energies", "forces"):
         for source in sorted((package / layer).glob("*.py")):
             digest.update(source.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def cache_folder() -> Path:
+    """Folder of loops and compiled code: user cache directory / hash of the kernel sources.
+
+    ``DISMECH_CACHE`` names another place; without a writable one a temporary folder serves.
+    """
     chosen = os.environ.get("DISMECH_CACHE") or os.environ.get("XDG_CACHE_HOME")
     base = Path(chosen) if chosen else Path.home() / ".cache"
-    name = digest.hexdigest()[:16]
+    name = _digest_of_sources()
     folder = base / "dismech" / "kernels" / name
     try:
         folder.mkdir(parents=True, exist_ok=True)

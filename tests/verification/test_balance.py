@@ -157,6 +157,24 @@ def test_account_of_a_driven_damped_rod(tmp_path: Path) -> None:
     assert errors[-1] < 5e-3
 
 
+def test_holds_that_stop_or_start_a_motion_work(tmp_path: Path) -> None:
+    """The first step takes from what is clamped its speed, or gives it energy by a jump."""
+    dt = 1e-3
+    thrown = rod_deck(
+        line(11),
+        initial_velocity=[{"where": "rod.start", "velocity": [0.0, 0.0, 2.0]}],
+        numerics=timed("implicit_euler", dt, dt),
+        output={"every": dt},
+    )
+    result = solve(tmp_path, thrown)
+    assert_allclose(scalar(result, "external_work")[-1], -scalar(result, "kinetic")[0], rtol=1e-12)
+    lifted = thrown | {
+        "initial_velocity": [],
+        "motions": [{"type": "clamp", "where": "rod.start", "displacement": [0.0, 0.0, 1e-3]}],
+    }
+    assert scalar(solve(tmp_path, lifted), "external_work")[-1] > 0.0
+
+
 @pytest.mark.parametrize("integrator", INTEGRATORS)
 def test_reaction_moves_the_mass_that_is_held(tmp_path: Path, integrator: str) -> None:
     """A rod carried along bodily: its holds exert mass times acceleration, late by at most a step."""
