@@ -154,8 +154,11 @@ def _line_search(
             return _done(q, now.residual, free, iterations)
         step, shift, solves = _descent(system, solver, now.values, gradient, shift)
         iterations += solves
-        if step is None or not _size(step, system)[0] <= _RUNAWAY * system.extent:
+        if step is None:
             return _failed(q, now.residual, free, Status.FACTORIZATION_FAILED, iterations)
+        # A string of a rod bends at once over many times its length: let it fall a length at a time.
+        moved, _ = _size(step, system)
+        step *= min(1.0, system.extent / moved) if moved > 0.0 else 1.0
         length = _backtrack(system, stage, q, stored, step, gradient)
         if length == 0.0:
             return _failed(q, now.residual, free, Status.LINE_SEARCH_FAILED, iterations)
