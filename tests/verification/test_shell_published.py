@@ -1,0 +1,202 @@
+"""Published shell problems: the shipped scenarios on other meshes, materials and thresholds.
+
+Bars and references are those of `scenarios/verification/`; `test_shipped.py` runs these files as they are.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from dismech_cli import load, simulate
+from dismech_cli.mesh.generate_shell import disc
+from dismech_cli.run.loop import End
+from dismech_cli.run.reduce import reduce_series
+
+FOLDER = Path(__file__).parents[2] / "scenarios"
+PATTERNS = ["equilateral", "right", "alternating", "unstructured"]
+
+
+def measured(file: Path, *overrides: str) -> dict[str, tuple[float, float]]:
+    """What each expectation of a scenario measures, and what it expects."""
+    loaded = load(file, overrides=overrides)
+    outcome = simulate(loaded).outcome
+    assert outcome.end is End.DONE, outcome.message
+    return {
+        name: (reduce_series(outcome.times, outcome.watched[name], e.reduce, at=e.at, after=e.after), e.value)
+        for name, e in loaded.scenario.expect.items()
+    }
+
+
+def mesh(divisions: int, pattern: str) -> tuple[str, str]:
+    generate = "geometry[0].generate"
+    return f"{generate}.divisions={divisions}", f"{generate}.pattern={pattern}"
+
+
+def ratios(name: str, *overrides: str) -> np.ndarray:
+    """Measured over expected values of a scenario of `verification/`."""
+    pairs = measured(FOLDER / "verification" / f"{name}.yaml", *overrides)
+    return np.array([value / expected for value, expected in pairs.values()])
+
+
+# Curved shells, linear
+
+
+@pytest.mark.parametrize("pattern", PATTERNS)
+def test_roof(pattern: str) -> None:
+    """Scordelis-Lo roof: 5 % at 32 divisions, of second order from 16 on."""
+    coarse, fine = (abs(ratios("scordelis_lo_roof", *mesh(n, pattern)) - 1.0).item() for n in (16, 32))
+    assert fine < 0.05
+    # The reference is a limit of refinement known to about 0.1 %: orders are seen above it only.
+    assert fine < coarse / 4.0 + 2e-3
+
+
+@pytest.mark.parametrize("pattern", PATTERNS)
+def test_pinched_cylinder(pattern: str) -> None:
+    """Pinched cylinder: 10 % at 32 divisions; the dent of a point load converges slowly, from too soft."""
+    coarse, fine = (ratios("pinched_cylinder", *mesh(n, pattern)).item() - 1.0 for n in (16, 32))
+    assert 0.0 < fine < 0.10
+    # Linear triangles promise first order where the solution is singular.
+    assert fine < coarse / 2.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("pattern", PATTERNS)
+def test_pinched_cylinder_converges_further(pattern: str) -> None:
+    coarse, fine = (ratios("pinched_cylinder", *mesh(n, pattern)).item() - 1.0 for n in (32, 64))
+    assert 0.0 < fine < coarse / 2.0
+
+
+@pytest.mark.parametrize("pattern", PATTERNS)
+def test_hemisphere_answers_linearly(pattern: str) -> None:
+    """Hemisphere with a hole, almost without stretching: 5 % of 0.093 and 0.094 alike."""
+    for ratio in ratios("hemisphere_linear", *mesh(16, pattern)):
+        assert_allclose(ratio * 0.093, [0.093, 0.094], rtol=0.05)
+
+
+# Large displacements
+
+
+def test_hemisphere_on_a_coarse_mesh() -> None:
+    assert_allclose(ratios("hemisphere", *mesh(16, "alternating")), 1.0, rtol=0.05)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("pattern", PATTERNS)
+def test_hemisphere(pattern: str) -> None:
+    """Hemisphere with a hole under forces of 400: 5 % on any mesh of 32 divisions."""
+    assert_allclose(ratios("hemisphere", *mesh(32, pattern)), 1.0, rtol=0.05)
+
+
+@pytest.mark.parametrize(
+    ("divisions", "pattern", "tolerance"),
+    [
+        (16, "alternating", 0.01),
+        (16, "unstructured", 0.02),
+        pytest.param(32, "equilateral", 0.01, marks=pytest.mark.slow),
+        pytest.param(32, "right", 0.01, marks=pytest.mark.slow),
+        pytest.param(32, "unstructured", 0.02, marks=pytest.mark.slow),
+    ],
+)
+def test_strip_under_end_shear(divisions: int, pattern: str, tolerance: float) -> None:
+    """Sze, Liu & Lo's cantilever: every point of both curves, on regular and random triangles."""
+    assert_allclose(ratios("strip_end_shear", *mesh(divisions, pattern)), 1.0, rtol=tolerance)
+
+
+@pytest.mark.parametrize(
+    "pattern", [pytest.param(p, marks=() if p == "unstructured" else pytest.mark.slow) for p in PATTERNS]
+)
+def test_heavy_strip(pattern: str) -> None:
+    """A strip that hangs under weights of 1 to 1000: 1 % of its length, on regular and random triangles."""
+    pairs = measured(FOLDER / "verification" / "heavy_strip.yaml", *mesh(40, pattern))
+    values, expected = np.array(list(pairs.values())).T
+    assert_allclose(values, expected, atol=0.01)
+
+
+@pytest.mark.slow
+def test_hinges_are_no_material_for_a_strip() -> None:
+    """Between equilateral triangles they are a plate of Poisson's ratio -1/3, which bends 9/8 of a beam.
+
+    Nodes are held up to the root, so that a strip begins to bend half a triangle behind it.
+    """
+    divisions = 160
+    h = 1.0 / divisions
+    pairs = measured(
+        FOLDER / "verification" / "heavy_strip.yaml",
+        f"geometry[0].generate.divisions={divisions + 1}",
+        "geometry[0].generate.pattern=equilateral",
+        f"geometry[0].generate.length={1.0 + h}",
+        f"geometry[0].generate.origin=[{-h}, 0, 0]",
+        "geometry[0].bending=hinge",
+        f"motions[0].where={{box: {{min: [-1, -1, -1], max: [{1e-3 * h}, 1, 1]}}}}",
+        # so small a weight that a beam droops Gamma L / 8
+        "forces[0].acceleration=[0, 0, -1.0e-5]",
+        "numerics.integrator.load_steps=1",
+        "expect={drop: {probe: {displacement: strip.right, component: z}, value: -0.00125, "
+        "tolerance: 1, source: beam}}",
+    )
+    value, beam = pairs["drop"]
+    assert_allclose(value / beam, 9.0 / 8.0 * (1.0 + 0.5 * h) ** 4, rtol=0.02)
+
+
+# Buckling
+
+
+@pytest.mark.parametrize("poisson_ratio", [0.0, 0.25, 0.3, 0.35, 0.5])
+@pytest.mark.parametrize("pattern", ["equilateral", "unstructured"])
+def test_lateral_buckling(pattern: str, poisson_ratio: float) -> None:
+    """A strip on edge tilts under its own weight: 5 % of 18.178 / sqrt(1 + nu) at a width of L/20."""
+    unit = 1e6 * 1e-3**2 / (12.0 * 1000.0)  # E h^2 / (12 rho L^3)
+    below, above = (share * unit * 18.178 / np.sqrt(1.0 + poisson_ratio) for share in (0.95, 1.05))
+    pairs = measured(
+        FOLDER / "verification" / "lateral_buckling.yaml",
+        *mesh(40, pattern),
+        f"materials.sheet.poisson_ratio={poisson_ratio}",
+        f"forces[0].acceleration=[0, 0, {{table: [[0, 0], [0.5, {-below}], [1, {-above}]]}}]",
+    )
+    assert [value for value, _ in pairs.values()] == [0, 1]
+
+
+# Plates on random triangles
+
+
+def scattered(file: Path, radius: float, rings: int) -> None:
+    """Write a disc whose inner nodes are moved at random by up to a third of a ring and joined anew."""
+    from scipy.spatial import Delaunay
+
+    regular = disc(radius, rings)
+    nodes = regular.nodes
+    inner = np.setdiff1d(np.arange(1, len(nodes)), regular.node_groups["rim"])
+    nodes[inner, :2] += np.random.default_rng(2).uniform(-1.0, 1.0, (len(inner), 2)) * radius / (3.0 * rings)
+    rows = ["*Nodes", *(f"{x!r}, {y!r}, {z!r}" for x, y, z in nodes.tolist()), "*Triangles"]
+    for corners in Delaunay(nodes[:, :2]).simplices:
+        a, b, c = nodes[corners]
+        rows.append(
+            ", ".join(str(n + 1) for n in (corners if np.cross(b - a, c - a)[2] > 0 else corners[::-1]))
+        )
+    file.write_text("\n".join(rows) + "\n", encoding="utf-8")
+
+
+@pytest.mark.parametrize(("motion", "factor"), [("clamp", 1.0 / 64.0), ("pin", 0.0637019)])
+def test_disc_of_random_triangles(tmp_path: Path, motion: str, factor: float) -> None:
+    """Clamped and simply supported circles: 2 % of w D / (p R^4)."""
+    scattered(tmp_path / "disc.txt", 0.1, 16)
+    text = (FOLDER / "verification" / "supported_disc.yaml").read_text(encoding="utf-8")
+    generated = "    generate: {shape: disc, center: [0, 0, 0], radius: 0.1, rings: 32}\n"
+    assert generated in text
+    text = text.replace(generated, "    mesh: {file: disc.txt}\n").replace(
+        "disc.center", "{nearest: [0, 0, 0]}"
+    )
+    text = text.replace("type: pin, where: disc.rim", f"type: {motion}, where: disc.boundary")
+    (tmp_path / "disc.yaml").write_text(text, encoding="utf-8")
+    value, _ = measured(tmp_path / "disc.yaml")["bulge"]
+    rigidity = 200e9 * 1e-3**3 / (12.0 * (1.0 - 0.3**2))
+    assert_allclose(value * rigidity / 0.1**4, factor, rtol=0.02)
+
+
+def test_supported_disc_converges_at_second_order() -> None:
+    errors = [ratios("supported_disc", f"geometry[0].generate.rings={n}").item() - 1.0 for n in (8, 16)]
+    assert_allclose(np.log2(errors[0] / errors[1]), 2.0, atol=0.1)
