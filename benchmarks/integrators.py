@@ -48,7 +48,9 @@ def report(quick: bool) -> str:
         (
             "## Integrators: work against precision\n\n"
             f"Cantilever of {NODES} nodes, 200 mm, let go from horizontal; largest error of a node at "
-            f"{T_END:g} s over the depth of the fall, against TR-BDF2 at a much smaller step:",
+            f"{T_END:g} s over the depth of the fall, against TR-BDF2 at a much smaller step. Letting go "
+            "excites axial waves with periods down to 0.3 ms: a part of the error below 0.1 % that no scheme "
+            "reduces at its order before it resolves them. Orders on smooth motion are asserted by tests:",
             table(("integrator", "dt [ms]", "error [%]", "order", "solves", "CPU [ms]"), rows),
         )
     )
