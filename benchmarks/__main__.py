@@ -17,6 +17,7 @@ SECTIONS = (
     "newton_iteration",
     "growth",
     "shells",
+    "projection",
     "run_loop",
     "linear_solvers",
     "integrators",

@@ -37,6 +37,11 @@ def gallery(name: str, overrides: Sequence[str] = ()) -> LoadedScenario:
     return load(SCENARIOS / f"{name}.yaml", overrides=overrides)
 
 
+def simulation_of(loaded: LoadedScenario) -> Simulation:
+    """What a scenario builds."""
+    return build(loaded).simulation
+
+
 def stepper_of(simulation: Simulation) -> Stepper:
     """A stepper as the run loop makes it."""
     return Stepper(simulation.model, simulation.integrator, simulation.newton, simulation.linear_solver)

@@ -18,7 +18,6 @@ from ..scenario.csv_table import read_columns
 from ..scenario.load import LoadedScenario
 from ..scenario.motion import VelocityFile
 from ..scenario.numerics import Static
-from ..solve.newton import NewtonSettings
 from .fields import Scene, build_fields, build_topology
 from .forces import build_forces
 from .geometry import Geometry, assemble_geometry
@@ -28,7 +27,7 @@ from .inertia import mass_matrix, point_masses
 from .laws import dynamic_laws, static_laws
 from .motions import build_motions, initial_velocity
 from .numbering import number_dofs
-from .numerics import build_driver, build_integrator, check_linear_solver
+from .numerics import build_driver, build_integrator, build_newton, check_linear_solver
 from .plan import Plan, make_plan
 from .probes import build_probe
 from .rod_actuation import build_rod_elastic
@@ -122,7 +121,7 @@ def build(
         model=model,
         roles=roles,
         integrator=build_integrator(scenario.numerics.integrator),
-        newton=NewtonSettings(scenario.numerics.newton.tolerance, scenario.numerics.newton.max_iterations),
+        newton=build_newton(scenario.numerics.newton),
         linear_solver=scenario.numerics.linear_solver,
         grid=grid,
         frame_every=every,

@@ -8,7 +8,9 @@ from ..model.numpy_driver import NumpyDriver
 from ..scenario import numerics as said
 from ..scenario.load import LoadedScenario
 from ..solve import integrators as made
+from ..solve.newton import NewtonSettings
 from ..solve.pardiso import pardiso_available
+from ..solve.tangents import TANGENTS
 
 DRIVERS: dict[str, type[NumpyDriver] | type[NumbaDriver]] = {"numpy": NumpyDriver, "numba": NumbaDriver}
 
@@ -28,6 +30,11 @@ def build_integrator(spec: said.Integrator) -> made.Integrator:
             return made.GeneralizedAlpha(spec.spectral_radius)
         case said.TrBdf2():
             return made.TrBdf2()
+
+
+def build_newton(spec: said.Newton) -> NewtonSettings:
+    """The nonlinear solver."""
+    return NewtonSettings(spec.tolerance, spec.max_iterations, TANGENTS[spec.projection])
 
 
 def build_driver(name: str) -> Driver:

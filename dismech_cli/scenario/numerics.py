@@ -67,6 +67,12 @@ class Newton(Spec):
     max_iterations: Annotated[int, Field(ge=1, le=10_000)] = Field(
         default=50, description="Iterations before a step counts as failed."
     )
+    projection: Literal["none", "indefinite"] = Field(
+        default="none",
+        description="What Newton does where the tangent has negative eigenvalues: `none` steps with it and "
+        "may settle on an unstable balance; `indefinite` first clamps those of each stencil, so that statics "
+        "go past buckling to a stable shape. Worth it there; elsewhere it changes nothing.",
+    )
 
 
 class Step(Spec):

@@ -28,6 +28,10 @@ class LinearSolver(Protocol):
 
     name: str
 
+    @property
+    def indefinite(self) -> bool:
+        """Whether the last matrix is known to have a negative eigenvalue; no unsymmetric one is."""
+
     def analyze(self, pattern: SparsityPattern) -> None:
         """Prepare storage, ordering and symbolic factorisation; once per pattern."""
 
@@ -88,6 +92,11 @@ class DenseSolver:
         """Solve with the last factors."""
         return checked(rhs, self._solve(rhs), lambda x: self._matrix @ x, self._solve)
 
+    @property
+    def indefinite(self) -> bool:
+        """By the eigenvalues: the matrix is tiny."""
+        return self._pattern.symmetric and float(np.linalg.eigvalsh(self._matrix)[0]) < 0.0
+
     def _solve(self, rhs: FloatArray) -> FloatArray:
         from scipy.linalg.lapack import dgetrs
 
@@ -146,6 +155,11 @@ class BandedSolver:
         if info != 0 or not np.isfinite(lu).all():
             raise FactorizationError("the matrix is singular or not finite")
         self._lu, self._pivots = lu, pivots
+
+    @property
+    def indefinite(self) -> bool:
+        """Cholesky's method failed."""
+        return self._pattern.symmetric and self._lu is not None
 
     def solve(self, rhs: FloatArray) -> FloatArray:
         """Solve with the last factors."""
@@ -214,6 +228,14 @@ class SuperLuSolver:
             self._factors = splu(self._matrix, **options)
         except RuntimeError as error:
             raise FactorizationError(str(error)) from error
+
+    @property
+    def indefinite(self) -> bool:
+        """A negative pivot, or one so small that rows were exchanged."""
+        if not self._symmetric:
+            return False
+        exchanged = not np.array_equal(self._factors.perm_r, self._factors.perm_c)
+        return exchanged or bool((self._factors.U.diagonal() < 0.0).any())
 
     def solve(self, rhs: FloatArray) -> FloatArray:
         """Solve with the last factors."""

@@ -18,6 +18,7 @@ from .integrators import Stage
 from .linear import FactorizationError, LinearSolver
 from .status import Status
 from .system import Linearized, System
+from .tangents import Factorize, exact
 
 # Full steps get this many iterations before the line search takes over from the predictor.
 _FULL_STEPS = 20
@@ -34,10 +35,12 @@ class NewtonSettings:
     Attributes:
         tolerance: Residual relative to the largest force in the model [1].
         max_iterations: Iterations before giving up.
+        factorize: Chooses the tangent, an entry of ``TANGENTS``.
     """
 
     tolerance: float = 1e-8
     max_iterations: int = 50
+    factorize: Factorize = exact
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,7 +118,7 @@ def _full_steps(
             return _done(q, now.residual, free, iterations)
         settled = at_floor
         try:
-            solver.factorize(now.values)
+            settings.factorize(system, solver, stage, q, stored, now)
             step = solver.solve(rhs)
         except FactorizationError:
             return _failed(q, now.residual, free, Status.FACTORIZATION_FAILED, iterations)
@@ -152,7 +155,11 @@ def _line_search(
             return _failed(q, now.residual, free, Status.NOT_FINITE, iterations)
         if _small(size, now, system, settings.tolerance, floor):
             return _done(q, now.residual, free, iterations)
-        step, shift, solves = _descent(system, solver, now.values, gradient, shift)
+        try:
+            values = settings.factorize(system, solver, stage, q, stored, now)
+        except FactorizationError:
+            values = now.values
+        step, shift, solves = _descent(system, solver, values, gradient, shift)
         iterations += solves
         if step is None:
             return _failed(q, now.residual, free, Status.FACTORIZATION_FAILED, iterations)

@@ -68,9 +68,15 @@ class PardisoSolver:
             if kind not in self._handles:
                 self._handles[kind] = Factors(kind, self._pattern)
             self._active = self._handles[kind]
+            self._kind = kind
             if self._active.factorize(stored):
                 return
         raise FactorizationError("PARDISO met a zero pivot: some part is free to move")
+
+    @property
+    def indefinite(self) -> bool:
+        """Cholesky's method failed."""
+        return self._kind == _INDEFINITE
 
     def solve(self, rhs: FloatArray) -> FloatArray:
         """Solve with the last factors."""

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from math import sqrt
 
 import numpy as np
 
 from ..arrays import BoolArray, FloatArray
 from ..model.configuration import Configuration
+from ..model.driver import Driver
 from ..model.frames import FrameState
 from ..model.model import Model
+from ..model.projection import ProjectedDriver
 from ..model.term import BoundEnergy, BoundTerm, Linearization
 from .integrators import Stage, Weights
 from .pattern import SparsityPattern
@@ -35,6 +38,14 @@ class Linearized:
     moment: float
 
 
+@dataclass(frozen=True, slots=True)
+class _Terms:
+    """Terms bound to the pattern, those with symmetric tangents apart."""
+
+    symmetric: tuple[BoundTerm, ...]
+    general: tuple[BoundTerm, ...]
+
+
 class System:
     """All terms bound to one pattern, with the buffers of assembly.
 
@@ -51,11 +62,7 @@ class System:
         self.pattern = SparsityPattern.build(
             model.dofs, free, [coupling for term in model.terms for coupling in term.couplings]
         )
-        # Symmetric tangents fill one triangle; it is mirrored before the others are added.
-        symmetric = [t for t in model.terms if all(c.symmetric for c in t.couplings)]
-        general = [t for t in model.terms if not all(c.symmetric for c in t.couplings)]
-        self._symmetric = [t.bind(self.pattern, model.driver) for t in symmetric]
-        self._general = [t.bind(self.pattern, model.driver) for t in general]
+        self._exact = self._bound(model.driver)
         self._mirror = None if self.pattern.symmetric else self.pattern.mirror()
         self._damped = any(t.dissipative for t in model.terms)
         self._buffers = Linearization.of(model.dofs.n, self.pattern.slots)
@@ -73,7 +80,21 @@ class System:
     @property
     def terms(self) -> tuple[BoundTerm, ...]:
         """Every bound term."""
-        return (*self._symmetric, *self._general)
+        return (*self._exact.symmetric, *self._exact.general)
+
+    @cached_property
+    def _projected(self) -> _Terms:
+        """The terms with projected tangents; bound when first needed, which is seldom."""
+        return self._bound(ProjectedDriver(self.model.driver))
+
+    def _bound(self, driver: Driver) -> _Terms:
+        # Symmetric tangents fill one triangle; it is mirrored before the others are added.
+        symmetric = [t for t in self.model.terms if all(c.symmetric for c in t.couplings)]
+        general = [t for t in self.model.terms if not all(c.symmetric for c in t.couplings)]
+        return _Terms(
+            tuple(t.bind(self.pattern, driver) for t in symmetric),
+            tuple(t.bind(self.pattern, driver) for t in general),
+        )
 
     def configuration(self, stage: Stage, q: FloatArray, stored: FrameState) -> Configuration:
         """Evaluate the trial point of a stage."""
@@ -87,6 +108,13 @@ class System:
 
     def linearize(self, stage: Stage, q: FloatArray, stored: FrameState) -> Linearized:
         """Residual and tangent of a stage, with the sizes that say when the residual is small."""
+        return self._assemble(self._exact, stage, q, stored)
+
+    def linearize_projected(self, stage: Stage, q: FloatArray, stored: FrameState) -> Linearized:
+        """The same with the tangents of energies made positive semi-definite stencil by stencil."""
+        return self._assemble(self._projected, stage, q, stored)
+
+    def _assemble(self, terms: _Terms, stage: Stage, q: FloatArray, stored: FrameState) -> Linearized:
         c = self.configuration(stage, q, stored)
         into, w = self._buffers, stage.weights
         into.residual[:] = 0.0
@@ -96,14 +124,14 @@ class System:
         forces, moments = into.residual[: self._split], into.residual[self._split :]
         # squares of norms: a partial sum is as large as the forces that will cancel in the whole
         force = moment = 0.0
-        for term in self._symmetric:
+        for term in terms.symmetric:
             term.add_linearization(c, into)
             force, moment = max(force, _square(forces)), max(moment, _square(moments))
         if self._mirror is not None:
             lower, upper = self._mirror
             into.stiffness[lower] = into.stiffness[upper]
             into.damping[lower] = into.damping[upper]
-        for term in self._general:
+        for term in terms.general:
             term.add_linearization(c, into)
             force, moment = max(force, _square(forces)), max(moment, _square(moments))
         values = into.stiffness
