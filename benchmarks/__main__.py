@@ -18,6 +18,7 @@ SECTIONS = (
     "growth",
     "shells",
     "projection",
+    "bending",
     "run_loop",
     "linear_solvers",
     "integrators",
