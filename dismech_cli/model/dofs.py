@@ -69,7 +69,8 @@ class DofMap:
 
     def space_positions(self, q: FloatArray) -> FloatArray:
         """Node positions in space [m], shape (n_nodes, 3)."""
-        out = np.full((self.n_nodes, 3), self.hidden)
+        out = np.empty((self.n_nodes, 3))
+        out[:] = self.hidden
         out[:, self._columns] = self.positions(q)
         return out
 

@@ -3,37 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from typing import TypeAlias
 
-from ..solve.status import Status
 from ..solve.step import StepResult
 from .simulation import Simulation
 
-
-@dataclass(frozen=True, slots=True)
-class StepRecord:
-    """One attempted step."""
-
-    t: float
-    dt: float
-    iterations: int
-    residual: float
-    status: Status
+Attempt: TypeAlias = tuple[float, float, StepResult]
+"""Start and end of a step [s], and what came of it."""
 
 
-def describe_failure(
-    simulation: Simulation, t: float, dt: float, result: StepResult, last: Sequence[StepRecord]
-) -> str:
-    """Several lines that a user can act on."""
-    what = result.status.name.lower().replace("_", " ")
+def describe_failure(simulation: Simulation, last: Sequence[Attempt]) -> str:
+    """Several lines that a user can act on, about the last of some attempts."""
+    start, t, result = last[-1]
+    dt, what = t - start, result.status.name.lower().replace("_", " ")
     lines = [
         f"the solver gave up at t = {t:.6g} s with dt = {dt:.3g} s: {what}",
         f"  largest residual {result.residual_norm:.3g} N at {_where(simulation, result.worst)}",
         "  last steps (t, dt, Newton iterations, residual):",
     ]
     lines += [
-        f"    {r.t:.6g} s  {r.dt:.3g} s  {r.iterations:3d}  {r.residual:.3g} N  {r.status.name.lower()}"
-        for r in last
+        f"    {end:.6g} s  {end - begin:.3g} s  {r.iterations:3d}  {r.residual_norm:.3g} N  "
+        f"{r.status.name.lower()}"
+        for begin, end, r in last
     ]
     lines.append(f"  advice: {result.status.advice}")
     return "\n".join(lines)

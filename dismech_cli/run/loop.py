@@ -19,7 +19,7 @@ from ..solve.status import Status
 from ..solve.step import Stepper, StepResult
 from .account import EnergyAccount
 from .clock import Clock
-from .failure import StepRecord, describe_failure, describe_runaway
+from .failure import Attempt, describe_failure, describe_runaway
 from .interrupt import StopRequest
 from .observe import Observer
 from .simulation import Simulation
@@ -170,7 +170,7 @@ def run(
 
 
 def _advance(loop: _Loop, state: State, limits: Limits, stop: StopRequest) -> Outcome:
-    grid, last = loop.simulation.grid, deque[StepRecord](maxlen=5)
+    grid, last = loop.simulation.grid, deque[Attempt](maxlen=5)
     t_end, saved = float(grid[-1]), time.monotonic()
     while not loop.clock.done(grid):
         now, target = state.t, loop.clock.target(grid)
@@ -178,12 +178,12 @@ def _advance(loop: _Loop, state: State, limits: Limits, stop: StopRequest) -> Ou
         state = _prepared(loop, state)
         result = loop.stepper.step(state, target - now)
         loop.seconds["solve"] += time.perf_counter() - tick
-        last.append(StepRecord(target, target - now, result.iterations, result.residual_norm, result.status))
+        last.append((now, target, result))
         loop.counters.iterations += result.iterations
         loop.since_frame += result.iterations
         if result.status is not Status.CONVERGED:
             if loop.clock.level >= loop.simulation.max_cuts:
-                message = describe_failure(loop.simulation, target, target - now, result, tuple(last))
+                message = describe_failure(loop.simulation, last)
                 loop.sink.event("failed", now, message=message)
                 return _outcome(loop, state, End.FAILED, message)
             loop.clock = loop.clock.failed()
