@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from cases import NUMPY, adapted, configuration, disturbed
@@ -127,6 +129,24 @@ def test_twisting_the_rod(toward: bool) -> None:
     for k, term in enumerate(found):
         expected = 0.5 * STIFFNESS[0, k] * (2.0 * np.tan(0.45)) ** 2
         assert_allclose(energy(model, term, q, model.frames.rest(model.rest)), expected, rtol=1e-13)
+
+
+@pytest.mark.parametrize("twist", [0.0, 0.8, -2.5])
+def test_bending_does_not_know_of_twist(twist: float) -> None:
+    """Round rods: twisted, then bent, the joint has both energies, none more."""
+    model, (term, _) = terms(True)
+    parameters = term.parameters.copy()
+    parameters[2] = parameters[1]
+    stored = model.frames.rest(model.rest)
+    tangent = NODES[1] - NODES[0]
+    x = NODES.copy()
+    turn = about(np.cross(tangent, [0.3, 0.4, -0.8]), 0.7) @ about(tangent, twist)
+    x[1:] = (x[1:] - x[1]) @ turn.T + x[1]
+    q = model.rest.copy()
+    q[: x.size] = x.reshape(-1)
+    strains = 2.0 * np.tan(0.5 * np.array([twist, 0.7]))
+    expected = 0.5 * STIFFNESS[:2, 0] @ strains**2
+    assert_allclose(energy(model, replace(term, parameters=parameters), q, stored), expected, rtol=1e-12)
 
 
 def test_stretching_a_face_turns_no_rod() -> None:

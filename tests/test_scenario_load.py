@@ -180,6 +180,7 @@ output:
   render: {plots: [tip]}
 expect:
   tip: {probe: {displacement: beam.end, component: z}, value: -84.95 mm, tolerance: 7 %, source: "yes"}
+  early: {probe: {displacement: beam.end, component: z}, at: 0.5, value: 0, tolerance: 1, source: theory}
   stable: {probe: {negative_eigenvalues: true}, value: 0, tolerance: 0.5, source: theory}
 """
 ).replace("  dt: 5 ms\n  t_end: 2 s\n", "")

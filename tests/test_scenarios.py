@@ -30,6 +30,7 @@ SLOW = {
     "helix_stiff",
     "hemisphere_hang",
     "jellyfish",
+    "jellyfish_tentacles",
     "manta_ray",
     "parachute",
     "snake",
@@ -367,6 +368,25 @@ def test_contortion_does_not_depend_on_the_material_frame():
     assert np.abs(directors[0] - directors[1]).max() > 0.1
     for one, other in zip(plain.frames, turned.frames, strict=True):
         assert_allclose(one.positions, other.positions, rtol=0.0, atol=1e-8)
+
+
+# Manta ray
+
+
+@pytest.mark.slow
+def test_the_ray_gains_more_in_each_period_and_stays_symmetric():
+    frames = finished("manta_ray").frames
+    start = frames[0].positions
+    head = np.argmin(np.linalg.norm(start - [0.0, 0.5, 0.0], axis=1))
+    times = np.array([frame.t for frame in frames])
+    periods = np.arange(0.0, 5.0, 1.0 / 3.384)
+    gains = np.diff(np.interp(periods, times, [frame.positions[head, 1] for frame in frames]))
+    assert len(gains) == 16
+    assert gains[0] > 0.0
+    assert (np.diff(gains) > 0.0).all()
+    mirrored = np.linalg.norm(start[:, None] * [-1.0, 1.0, 1.0] - start[None], axis=2).argmin(axis=1)
+    end = frames[-1].positions
+    assert_allclose(end[mirrored], end * [-1.0, 1.0, 1.0], atol=1e-6)
 
 
 # Moved boundaries

@@ -18,6 +18,7 @@ from dismech_cli.scenario.load import LoadedScenario, load
 
 FOLDER = Path(__file__).parents[1] / "scenarios"
 NAMES = ["shell_cantilever_midedge", "shell_cantilever_hinge", "parachute", "hemisphere_hang", "manta_ray"]
+NAMES += ["jellyfish", "jellyfish_tentacles"]
 BEAM = 1.5 * 1200.0 * 9.81 * 0.09**4 / (2e9 * 1e-3**2)
 
 

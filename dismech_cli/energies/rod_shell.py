@@ -1,10 +1,11 @@
-"""A rod clamped to a face of a shell: E = sum_i K_i w_i^2 / 2, w the turn between their frames.
+"""A rod clamped to a face of a shell: E = K_0 w_0^2 / 2 + (K_1 w_1^2 + K_2 w_2^2) / (2 + w_0^2 / 2).
 
 The face carries a copy (g0, g1, g2) of the frame (t, m1, m2) that the rod has at rest; w is the
 rotation vector 2 tan(phi/2) n from the rod's frame to that copy (Cayley's, twice Rodrigues'
-parameters), by components along the rod's frame: w0 is twist, w1 and w2 bend about m1 and m2. For
-bending alone |w| is the discrete curvature of rods, 2 tan(phi/2), and the energy is theirs. Only
-angles between directions of the same state enter, so rigid motions cost nothing.
+parameters), by components along the rod's frame. If the face is twisted about the rod by tau and then
+bent by phi, w_0 = 2 tan(tau/2), and what w_0 divides makes the rest 2 tan(phi/2), the discrete
+curvature of rods, whatever the twist: a joint may release either. Only angles between directions of
+the same state enter, so rigid motions cost nothing.
 
 The face turns with its normal and, about it, with the rotation of the polar decomposition of its
 deformation: stretching a sheet does not turn the rods on it. The tangent of the rod points to the
@@ -30,11 +31,10 @@ from ..geometry.blocks import (
     add_symmetric,
     outer_sum,
     pack_three_and_angle,
-    symmetric_outer_sum,
 )
 from ..geometry.face_rotation import face_axes, face_frame, face_turning
 from ..geometry.kernel import kernel
-from ..geometry.vectors import Vector, add, combine, cross, dot, norm, outer, scale, sym_outer
+from ..geometry.vectors import Vector, add, combine, cross, dot, norm, outer, scale, self_outer, sym_outer
 from ..model.dofs import DofMap
 from ..model.stencil import Kernel, StencilEnergy
 
@@ -70,6 +70,14 @@ def slopes(
 
 
 @kernel
+def angle_column(angle: Any, vector: Any) -> Vector:
+    """Column of the angle in the rows of a vector: b b^T + c c^T + a q^T + q a^T + w m^T + m w^T."""
+    bt, ct, at, qt, wt, mt = angle
+    b, c, a, q, w, m = vector
+    return add(combine(bt, b, ct, c), add(combine(qt, a, at, q), combine(mt, w, wt, m)))
+
+
+@kernel
 def rod_on_face(y: Any, a: Any, p: Any) -> Any:
     """Energy, gradient and packed Hessian with respect to (e, u, v, theta)."""
     e, u, v, s = y[0:3], y[3:6], y[6:9], p[15]
@@ -82,17 +90,26 @@ def rod_on_face(y: Any, a: Any, p: Any) -> Any:
     g2 = combine(p[12], f, 1.0, combine(p[13], h, p[14], n))
     w = turn(d0, d1, d2, g0, g1, g2)
     w0, w1, w2 = dot(w, d0), dot(w, d1), dot(w, d2)
-    energy = 0.5 * (p[0] * w0 * w0 + p[1] * w1 * w1 + p[2] * w2 * w2)
+    # E(w) and its derivatives: twist enters bending through c
+    k0, k1, k2 = p[0], p[1], p[2]
+    c = 1.0 / (1.0 + 0.25 * w0 * w0)
+    bent, dc = k1 * w1 * w1 + k2 * w2 * w2, -0.5 * c * c * w0
+    energy = 0.5 * (k0 * w0 * w0 + c * bent)
+    stress = combine(k0 * w0 + 0.5 * dc * bent, d0, c, combine(k1 * w1, d1, k2 * w2, d2))
+    curved = k0 + 0.25 * c * c * (c * w0 * w0 - 1.0) * bent
     # dE = m . (spin of the face - spin of the rod)
-    m = transposed_turn(w, combine(p[0] * w0, d0, 1.0, combine(p[1] * w1, d1, p[2] * w2, d2)))
+    m = transposed_turn(w, stress)
     iu, iv = scale(1.0 / area, u), scale(1.0 / area, v)
     me, mu, mv, mt = slopes(m, d0, il, s, n, iu, iv, pu, pv)
 
-    # second derivatives along the relative spin: sum_i K_i t_i t_i^T + (w m^T + m w^T)/4
+    # second derivatives along the relative spin: E''_ij t_i t_j^T + (w m^T + m w^T)/4
+    t0, t1, t2 = transposed_turn(w, d0), transposed_turn(w, d1), transposed_turn(w, d2)
+    mixed = combine(0.5 * curved, t0, dc, combine(k1 * w1, t1, k2 * w2, t2))
     we, wu, wv, wt = slopes(scale(0.25, w), d0, il, s, n, iu, iv, pu, pv)
-    ae, au, av, at = slopes(scale(p[0] ** 0.5, transposed_turn(w, d0)), d0, il, s, n, iu, iv, pu, pv)
-    be, bu, bv, bt = slopes(scale(p[1] ** 0.5, transposed_turn(w, d1)), d0, il, s, n, iu, iv, pu, pv)
-    ce, cu, cv, ct = slopes(scale(p[2] ** 0.5, transposed_turn(w, d2)), d0, il, s, n, iu, iv, pu, pv)
+    ae, au, av, at = slopes(t0, d0, il, s, n, iu, iv, pu, pv)
+    qe, qu, qv, qt = slopes(mixed, d0, il, s, n, iu, iv, pu, pv)
+    be, bu, bv, bt = slopes(scale((c * k1) ** 0.5, t1), d0, il, s, n, iu, iv, pu, pv)
+    ce, cu, cv, ct = slopes(scale((c * k2) ** 0.5, t2), d0, il, s, n, iu, iv, pu, pv)
 
     # m . (spin of the face x spin of the rod), half of it in each of two transposed blocks
     along = 0.5 * il * dot(d0, m)
@@ -104,23 +121,27 @@ def rod_on_face(y: Any, a: Any, p: Any) -> Any:
     # m . change of the rod's spin along a straight path of e
     rt = scale(-0.5 * s * il, combine(1.0, m, -dot(d0, m), d0))
 
-    ee = add_symmetric(symmetric_outer_sum((ae, be, ce), (ae, be, ce)), sym_outer(we, me))
+    left_e, left_u = (be, ce, ae), (bu, cu, au)
+    right_u, right_v = (bu, cu, qu), (bv, cv, qv)
+    ee = add_symmetric(
+        add_symmetric(self_outer(be), self_outer(ce)), add_symmetric(sym_outer(ae, qe), sym_outer(we, me))
+    )
     ee = add_symmetric(ee, sym_outer(scale(-il * il, d0), d0xm))
     uu, uv, vv = face_turning(m, u, v, f, h, n, size, area, alpha, beta_u, beta_v, pu, pv)
-    uu = add_symmetric(uu, add_symmetric(symmetric_outer_sum((au, bu, cu), (au, bu, cu)), sym_outer(wu, mu)))
-    vv = add_symmetric(vv, add_symmetric(symmetric_outer_sum((av, bv, cv), (av, bv, cv)), sym_outer(wv, mv)))
-    uv = add_block(
-        uv, add_block(outer_sum((au, bu, cu), (av, bv, cv)), add_block(outer(wu, mv), outer(mu, wv)))
-    )
+    uu = add_symmetric(uu, add_symmetric(add_symmetric(self_outer(bu), self_outer(cu)), sym_outer(au, qu)))
+    uu = add_symmetric(uu, sym_outer(wu, mu))
+    vv = add_symmetric(vv, add_symmetric(add_symmetric(self_outer(bv), self_outer(cv)), sym_outer(av, qv)))
+    vv = add_symmetric(vv, sym_outer(wv, mv))
+    uv = add_block(uv, add_block(outer_sum(left_u, right_v), outer_sum((qu, wu, mu), (av, mv, wv))))
     # rows e, columns u and v: the transposed of n x_v^T and the like
-    eu = add_block(outer_sum((ae, be, ce), (au, bu, cu)), outer_sum((we, me, xn), (mu, wu, pu)))
-    eu = add_block(eu, outer(scale(-1.0, xv), n))
-    ev = add_block(outer_sum((ae, be, ce), (av, bv, cv)), outer_sum((we, me, xn), (mv, wv, pv)))
-    ev = add_block(ev, outer(xu, n))
-    et = add(combine(at, ae, bt, be), add(combine(ct, ce, 1.0, rt), combine(mt, we, wt, me)))
-    ut = add(combine(at, au, bt, bu), add(combine(ct, cu, 1.0, ru), combine(mt, wu, wt, mu)))
-    vt = add(combine(at, av, bt, bv), add(combine(ct, cv, 1.0, rv), combine(mt, wv, wt, mv)))
-    tt = at * at + bt * bt + ct * ct + 2.0 * wt * mt
+    eu = add_block(outer_sum(left_e, right_u), outer_sum((qe, we, me), (au, mu, wu)))
+    eu = add_block(eu, add_block(outer(xn, pu), outer(scale(-1.0, xv), n)))
+    ev = add_block(outer_sum(left_e, right_v), outer_sum((qe, we, me), (av, mv, wv)))
+    ev = add_block(ev, add_block(outer(xn, pv), outer(xu, n)))
+    et = add(angle_column((bt, ct, at, qt, wt, mt), (be, ce, ae, qe, we, me)), rt)
+    ut = add(angle_column((bt, ct, at, qt, wt, mt), (bu, cu, au, qu, wu, mu)), ru)
+    vt = add(angle_column((bt, ct, at, qt, wt, mt), (bv, cv, av, qv, wv, mv)), rv)
+    tt = bt * bt + ct * ct + 2.0 * (at * qt + wt * mt)
     gradient = (me[0], me[1], me[2], mu[0], mu[1], mu[2], mv[0], mv[1], mv[2], mt)
     return energy, gradient, pack_three_and_angle(ee, eu, ev, uu, uv, vv, et, ut, vt, tt)
 

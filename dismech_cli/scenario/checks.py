@@ -222,8 +222,9 @@ def _expectations(scenario: Scenario) -> Iterator[Finding]:
     for name, expectation in scenario.expect.items():
         path: KeyPath = ("expect", name)
         if expectation.at is not None:
-            for key in ("reduce", "after"):
-                if key in expectation.model_fields_set and getattr(expectation, key) is not None:
+            # a resolved scenario says the default
+            for key, default in (("reduce", "last"), ("after", None)):
+                if getattr(expectation, key) != default:
                     yield (*path, key), "has no meaning beside 'at'"
         if expectation.tolerance.kind == "relative" and expectation.value == 0.0:
             yield (*path, "tolerance"), "relative to the value 0 nothing is allowed; give a quantity"
