@@ -65,16 +65,22 @@ class SameSteps:
         return lambda: advance(self._stepper, self._start, DT, self._steps)
 
 
+def resident_peak() -> int:
+    """Most memory that this process has held [KiB]; Linux only."""
+    lines = Path("/proc/self/status").read_text(encoding="utf-8").splitlines()
+    return next(int(line.split()[1]) for line in lines if line.startswith("VmHWM:"))
+
+
 def peak_memory(triangles: int, bending: str) -> tuple[float, float]:
     """Most memory [MiB] of a process that builds the sheet and takes a step, and before it builds."""
+    # not getrusage: a child starts with the peak of its parent there
     code = (
-        "import resource\n"
-        "from benchmarks.shells import stepper_of, sheet, DT\n"
+        "from benchmarks.shells import resident_peak, stepper_of, sheet, DT\n"
         "import dismech_cli.model.numba_driver, pypardiso, numba\n"
-        "before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss\n"
+        "before = resident_peak()\n"
         f"s = stepper_of(sheet({triangles}, bending='{bending}', kernels='numba', dt=DT, t_end=1.0))\n"
         "s.step(s.prepare(s.rest_state()), DT)\n"
-        "print(before, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)\n"
+        "print(before, resident_peak())\n"
     )
     done = subprocess.run(
         [sys.executable, "-c", code],
@@ -83,7 +89,7 @@ def peak_memory(triangles: int, bending: str) -> tuple[float, float]:
         text=True,
         check=True,
     )
-    before, peak = (int(word) / 1024.0 for word in done.stdout.split())  # kilobytes on Linux
+    before, peak = (int(word) / 1024.0 for word in done.stdout.split())
     return peak, before
 
 
