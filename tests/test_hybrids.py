@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from shell_decks import STATIC, Deck, made, ran, refused, write
+from shell_decks import MIXED, STATIC, Deck, made, ran, refused, write
 
 from dismech_cli.build.simulate import Result
 from dismech_cli.model.stencil import StencilEnergy
@@ -179,6 +180,20 @@ def test_released_welds_pass_the_rest(ran: Any, made: Any, release: str) -> None
         held = a**4 * (3.0 * LENGTH - a) ** 2 / (12.0 * LENGTH**3)
         exact = load * (a**3 / 3.0 - held) / BENDING_1
         assert_allclose(moved(ran(deck), place)[2], exact, rtol=5e-3)
+
+
+def test_bodies_of_one_file_hang_until_they_are_welded(made: Any, tmp_path: Path) -> None:
+    """Where both name the same place, the second selection means the other body."""
+    (tmp_path / "mixed.txt").write_text(MIXED, encoding="utf-8")
+    deck = strip(6, 10, joints=[])
+    source = {"mesh": {"file": "mixed.txt"}}
+    bodies = [{key: v for key, v in body.items() if key != "generate"} | source for body in deck["geometry"]]
+    deck |= {"geometry": [bodies[0] | {"director": [1, 0, 0]}, bodies[1]]}
+    assert not made(deck).geometry.shell_welds
+    at = {"nearest": [0.0, 0.0, 0.0]}
+    built = made(deck | {"joints": [{"type": "rigid", "nodes": [at, at], "release": "twist"}]})
+    assert [weld.edge for weld in built.geometry.shell_welds] == [0]
+    assert_allclose(weld_stiffness(built), np.array([0.0, BENDING_2, BENDING_1]) / 0.5, rtol=1e-14)
 
 
 def test_hinged_rods_hang_on_shells_as_before(made: Any) -> None:
