@@ -80,7 +80,7 @@ def build_rods(
     dofs, rest = numbering.dofs, numbering.rest
     framed = plan.bending is Bending.FRAMED
     n_edges = dofs.n_angles
-    directors = _directors(geometry, skeleton)
+    directors = _directors(loaded, geometry, skeleton)
     in_plane = _in_plane(loaded, geometry, plan, directors)
     joints = skeleton.joints
     frames: Frames = NoFrames()
@@ -174,14 +174,21 @@ def _stretch(loaded: LoadedScenario, geometry: Geometry, skeleton: Skeleton, dof
     )
 
 
-def _directors(geometry: Geometry, skeleton: Skeleton) -> FloatArray:
+def _directors(loaded: LoadedScenario, geometry: Geometry, skeleton: Skeleton) -> FloatArray:
     """First material directors at rest, shape (E + W, 3): a wall has that of its rod."""
     e = skeleton.positions[skeleton.edges[:, 1]] - skeleton.positions[skeleton.edges[:, 0]]
     tangents = e / skeleton.rest_lengths[:, None]
     given = np.full(tangents.shape, np.nan)
-    for rod in geometry.rods:
+    for rod, key in zip(geometry.rods, geometry.rod_keys, strict=True):
         if rod.director is not None:
-            given[geometry.rod_edges[rod.name][0]] = rod.director
+            first = geometry.rod_edges[rod.name][0]
+            across = np.linalg.norm(np.cross(tangents[first], rod.director))
+            if across < 1e-6 * np.linalg.norm(rod.director):
+                raise loaded.error(
+                    ("geometry", key, "director"),
+                    "lies along the first edge of the rod; expected a direction across it",
+                )
+            given[first] = rod.director
     count = len(geometry.edges)
     directors = space_parallel(tangents[:count], given[:count])
     return np.concatenate((directors, directors[skeleton.owners]))
