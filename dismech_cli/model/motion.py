@@ -40,9 +40,7 @@ def held_dofs(motions: Sequence[Motion], n: int, t: float) -> BoolArray:
     return held
 
 
-def moving_dofs(
-    motions: Sequence[Motion], q: FloatArray, v: FloatArray, t: float
-) -> IntArray:
+def moving_dofs(motions: Sequence[Motion], q: FloatArray, v: FloatArray, t: float) -> IntArray:
     """DOFs held from time ``t`` on that ever move: not those that stay where they started, at rest.
 
     Args:
