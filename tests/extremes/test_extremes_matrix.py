@@ -72,16 +72,14 @@ def assert_sane(result: Result) -> None:
         assert np.isfinite(list(frame.scalars.values())).all()
     if result.outcome.end is not End.DONE:
         assert result.outcome.end is End.FAILED
-        assert "gave up at" in result.outcome.message
+        assert "gave up at" in result.outcome.message or "blew up" in result.outcome.message
         assert "advice" in result.outcome.message
 
 
 CELLS = [(axis, value) for axis, values in AXES.items() for value in values if value != BASE[axis]]
 
 
-@pytest.mark.parametrize(
-    "integrator", ["implicit_euler", pytest.param("generalized_alpha", marks=pytest.mark.slow)]
-)
+@pytest.mark.parametrize("integrator", ["implicit_euler", pytest.param("tr_bdf2", marks=pytest.mark.slow)])
 @pytest.mark.parametrize(("axis", "value"), CELLS)
 def test_one_extreme_input_in_time(tmp_path: Path, axis: str, value: float, integrator: str) -> None:
     """With a single extreme the run converges, whichever it is."""
@@ -92,15 +90,30 @@ def test_one_extreme_input_in_time(tmp_path: Path, axis: str, value: float, inte
     assert result.outcome.end is End.DONE, result.outcome.message
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(("axis", "value"), CELLS)
+def test_one_extreme_input_with_little_damping(tmp_path: Path, axis: str, value: float) -> None:
+    """The default integrator is stable in linear motion; in falls that a step strides over it is not.
+
+    Such a run is told by the energy that it makes. A tenth of a pendulum's period always converges.
+    """
+    cell = BASE | {axis: value}
+    deck = cantilever(**cell)
+    deck["numerics"]["integrator"] = {"type": "generalized_alpha"}
+    result = attempt(tmp_path, deck)
+    assert_sane(result)
+    resolved = cell["gravity"] * (cell["dt"] / (0.2 * np.pi)) ** 2 < cell["aspect"] * cell["radius"]
+    if resolved:
+        assert result.outcome.end is End.DONE, result.outcome.message
+
+
 @pytest.mark.parametrize("dimension", [2, 3])
 @pytest.mark.parametrize(("axis", "value"), [cell for cell in CELLS if cell[0] != "dt"])
 def test_one_extreme_input_at_rest(tmp_path: Path, axis: str, value: float, dimension: int) -> None:
     cell: dict[str, Any] = BASE | {axis: value, "dt": None}
     result = attempt(tmp_path, cantilever(**cell, dimension=dimension))
     assert_sane(result)
-    # a rod of 1e5 radii has no bending stiffness against its weight (Gamma = 4e10): the first step from the
-    # straight line may be too much to ask
-    assert result.outcome.end is End.DONE or value == 1e5, result.outcome.message
+    assert result.outcome.end is End.DONE, result.outcome.message
 
 
 @pytest.mark.slow
