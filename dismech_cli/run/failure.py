@@ -8,6 +8,9 @@ from typing import TypeAlias
 from ..solve.step import StepResult
 from .simulation import Simulation
 
+# Integrators that damp fast modes, from least to most.
+DAMPING = ("generalized_alpha", "tr_bdf2", "implicit_euler")
+
 Attempt: TypeAlias = tuple[float, float, StepResult]
 """Start and end of a step [s], and what came of it."""
 
@@ -30,15 +33,17 @@ def describe_failure(simulation: Simulation, last: Sequence[Attempt]) -> str:
     return "\n".join(lines)
 
 
-def describe_runaway(t: float, dt: float, energies: Mapping[str, float]) -> str:
+def describe_runaway(simulation: Simulation, t: float, dt: float, energies: Mapping[str, float]) -> str:
     """What to say when a run makes energy out of nothing."""
+    own = simulation.integrator.name
+    stronger = DAMPING[DAMPING.index(own) + 1 :] if own in DAMPING else DAMPING
+    choice = f", or choose {' or '.join(stronger)}, which damp more" if stronger else ""
     return "\n".join(
         (
             f"the motion blew up by t = {t:.6g} s with dt = {dt:.3g} s: "
             f"{energies['error']:.3g} J that nothing gave it",
-            "  the integrator is unstable at this step: fast axial or bending modes grow without bound",
-            "  advice: reduce numerics.dt, or choose generalized_alpha, tr_bdf2 or implicit_euler,"
-            " which damp them",
+            f"  {own} is unstable at this step: fast axial or bending modes grow without bound",
+            f"  advice: reduce numerics.dt{choice}",
         )
     )
 

@@ -198,7 +198,7 @@ def _advance(loop: _Loop, state: State, limits: Limits, stop: StopRequest) -> Ou
         loop.counters.steps += 1
         frame = _emit(loop, state, result, target - now)
         if frame is not None and loop.account.runs_away(frame.energies, t_end):
-            message = describe_runaway(state.t, target - now, frame.energies)
+            message = describe_runaway(loop.simulation, state.t, target - now, frame.energies)
             loop.sink.event("failed", state.t, message=message)
             return _outcome(loop, state, End.FAILED, message)
         loop.sink.progress(
