@@ -111,7 +111,7 @@ def test_uneven_meshes_are_doubtful_for_hinges_only(made: Any) -> None:
         ),
         (
             {"forces": [{"type": "pressure", "shell": "sheet", "pressure": {"expression": "x"}}]},
-            "'x' has a meaning under dihedral actuation only",
+            "'x' has a meaning under actuation of shells only",
         ),
         ({"output": {"fields": ["twist"]}}, "output.fields[0]: 'twist' is a field of rods, but"),
         (

@@ -21,7 +21,6 @@ from ..scenario.numerics import Static
 from .fields import Scene, build_fields, build_topology
 from .forces import build_forces
 from .geometry import Geometry, assemble_geometry
-from .hinge_actuation import build_shell_elastic
 from .holds import resolve_holds
 from .inertia import mass_matrix, point_masses
 from .laws import dynamic_laws, static_laws
@@ -33,6 +32,7 @@ from .probes import build_probe
 from .rod_actuation import build_rod_elastic
 from .rods import build_rods
 from .selection import select_nodes
+from .shell_actuation import build_shell_elastic
 from .shell_edges import find_shell_edges
 from .shell_welds import build_shell_welds
 from .shells import build_shells

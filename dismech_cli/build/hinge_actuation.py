@@ -8,39 +8,31 @@ import numpy as np
 
 from ..arrays import BoolArray, FloatArray, IntArray
 from ..mesh.topology_shell import ShellTopology
-from ..model.driven import Drive, DrivenEnergy
-from ..model.stencil import StencilEnergy
+from ..model.driven import Drive
 from ..scenario.actuation import DihedralActuation, Tangential
 from ..scenario.geometry import Shell
 from ..scenario.load import LoadedScenario
 from .geometry import Geometry
 from .laws import ToLaw
 from .selection import select_nodes
-from .shell_edges import ShellEdges
-from .shells import ShellSystem
 
 
-def build_shell_elastic(
-    loaded: LoadedScenario, geometry: Geometry, free: ShellEdges, shells: ShellSystem, laws: ToLaw
-) -> tuple[StencilEnergy | DrivenEnergy, ...]:
-    """The elastic energies of the shells, driven where the scenario actuates them.
+def hinge_drives(
+    loaded: LoadedScenario,
+    geometry: Geometry,
+    shell: Shell,
+    topology: ShellTopology,
+    index: int,
+    actuation: DihedralActuation,
+    laws: ToLaw,
+) -> tuple[Drive, ...]:
+    """Drives of the bending energy of a shell, whichever it is.
 
     Raises:
-        ScenarioError: An actuation drives no hinge.
+        ScenarioError: The actuation drives no hinge.
     """
-    drives: dict[str, list[Drive]] = {name: [] for name in shells.bending}
-    named = {shell.name: shell for shell in geometry.shells}
-    for index, actuation in enumerate(loaded.scenario.actuation):
-        if isinstance(actuation, DihedralActuation):
-            topology = free.topologies[actuation.shell]
-            hinges = _driven_hinges(loaded, geometry, topology, index, actuation)
-            shell = named[actuation.shell]
-            drives[shell.name] += _drives(geometry, shell, topology, hinges, actuation, laws)
-    bending = (
-        DrivenEnergy(energy, tuple(drives[name])) if drives[name] else energy
-        for name, energy in shells.bending.items()
-    )
-    return (*shells.membrane.values(), *bending)
+    hinges = _driven_hinges(loaded, geometry, topology, index, actuation)
+    return tuple(_drives(geometry, shell, topology, hinges, actuation, laws))
 
 
 def _driven_hinges(
@@ -86,7 +78,7 @@ def _drives(
     actuation: DihedralActuation,
     laws: ToLaw,
 ) -> Iterator[Drive]:
-    """Drives of the bending energy of a shell, whichever it is.
+    """Drives by kind of bending.
 
     An energy of faces meets each hinge at two faces, as one of their three sides; its angles count
     from the face and so have the other sign, and that of a mid-edge normal is half of it.

@@ -75,5 +75,23 @@ class DihedralActuation(Spec):
     )
 
 
+class SurfaceCurvatureActuation(Spec):
+    """Adds to the natural curvature of a shell, as a swelling layer on it does."""
+
+    type: Literal["surface_curvature"] = Field(description="Kind of strain.")
+    shell: Name = Field(description="Name of the shell; it bends by `midedge` or `averaged` normals.")
+    where: Selection | None = Field(
+        default=None, description="Nodes: a triangle with all corners among them is driven; default: all."
+    )
+    along: DirectionTriple = Field(description="Direction that bends, laid into each triangle.")
+    value: Annotated[LawSpec, LawOf("curvature", ("t", *PLACES))] = Field(
+        description="Added curvature along it; positive bends toward the side of the normals."
+    )
+    across: Annotated[LawSpec, LawOf("curvature", ("t", *PLACES))] = Field(
+        default=0.0, description="The same across it, in the triangle."
+    )
+
+
 RodActuation: TypeAlias = StretchActuation | CurvatureActuation | TwistActuation
-Actuation: TypeAlias = Annotated[RodActuation | DihedralActuation, Field(discriminator="type")]
+ShellActuation: TypeAlias = DihedralActuation | SurfaceCurvatureActuation
+Actuation: TypeAlias = Annotated[RodActuation | ShellActuation, Field(discriminator="type")]

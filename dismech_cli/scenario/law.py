@@ -206,7 +206,8 @@ class SawtoothLaw(Spec):
 class ExpressionLaw(Spec):
     """Arithmetic in SI units: numbers, t, pi, e, + - * / **, sin cos tan tanh exp log sqrt abs min
     max clip floor sawtooth square step smoothstep; under `actuation` also s, 0 to 1 along the rod or
-    through the hinges, and for hinges x, y, z and r = sqrt(x^2 + y^2) of their middle at rest."""  # noqa: D205, D209
+    through the hinges, and for hinges and triangles x, y, z and r = sqrt(x^2 + y^2) of their middle
+    at rest."""  # noqa: D205, D209
 
     expression: str = Field(description="The text.")
 
@@ -219,7 +220,7 @@ class ExpressionLaw(Spec):
             raise problem(f"{error.reason} (at column {error.column} of the expression)") from None
         foreign = sorted(compiled.variables.difference(_FIELD.get(_PLAIN).variables))
         if foreign:
-            where = "dihedral actuation" if set(foreign).intersection(PLACES) else "actuation"
+            where = "actuation of shells" if set(foreign).intersection(PLACES) else "actuation"
             raise problem(f"{listed(foreign)} has a meaning under {where} only")
         return text
 

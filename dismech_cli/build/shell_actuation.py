@@ -1,0 +1,40 @@
+"""Bending energies of shells, driven where the scenario actuates them."""
+
+from __future__ import annotations
+
+from ..model.driven import Drive, DrivenEnergy
+from ..model.stencil import StencilEnergy
+from ..scenario.actuation import DihedralActuation, SurfaceCurvatureActuation
+from ..scenario.load import LoadedScenario
+from .curvature_actuation import curvature_drives
+from .geometry import Geometry
+from .hinge_actuation import hinge_drives
+from .laws import ToLaw
+from .shell_edges import ShellEdges
+from .shells import ShellSystem
+
+
+def build_shell_elastic(
+    loaded: LoadedScenario, geometry: Geometry, free: ShellEdges, shells: ShellSystem, laws: ToLaw
+) -> tuple[StencilEnergy | DrivenEnergy, ...]:
+    """The elastic energies of the shells.
+
+    Raises:
+        ScenarioError: An actuation drives nothing, or what it cannot drive.
+    """
+    drives: dict[str, list[Drive]] = {name: [] for name in shells.bending}
+    named = {shell.name: shell for shell in geometry.shells}
+    for index, actuation in enumerate(loaded.scenario.actuation):
+        match actuation:
+            case DihedralActuation(shell=name):
+                topology = free.topologies[name]
+                drives[name] += hinge_drives(loaded, geometry, named[name], topology, index, actuation, laws)
+            case SurfaceCurvatureActuation(shell=name):
+                drives[name] += curvature_drives(loaded, geometry, named[name], index, actuation, laws)
+            case _:  # of a rod
+                continue
+    bending = (
+        DrivenEnergy(energy, tuple(drives[name])) if drives[name] else energy
+        for name, energy in shells.bending.items()
+    )
+    return (*shells.membrane.values(), *bending)
