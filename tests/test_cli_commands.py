@@ -57,6 +57,21 @@ def test_check_warns_of_what_is_implausible(call, swing):
     assert "softer than jelly" in done.stderr
 
 
+def test_check_and_run_say_what_was_made_of_a_mesh(call, swing):
+    (swing / "sheet.obj").write_text("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n")
+    (swing / "sheet.yaml").write_text(
+        "schema_version: 1\nname: sheet\n"
+        "materials: {m: {youngs_modulus: 1 MPa, poisson_ratio: 0.3, density: 1000}}\n"
+        "geometry: [{type: shell, name: sheet, material: m, thickness: 1 cm, mesh: {file: sheet.obj}}]\n"
+        "numerics: {integrator: {type: implicit_euler}, dt: 0.1, t_end: 0.1}\n"
+    )
+    checked = call("check", "sheet.yaml")
+    assert checked.code == 0, checked.stderr
+    assert "  sheet: 1 quads split into triangles.\n" in checked.stdout
+    run = call("run", "sheet.yaml", "-o", "out")
+    assert "sheet: 1 quads split into triangles.\n" in run.stderr
+
+
 def test_explain_says_who_set_what(call, swing):
     done = call("explain", "swing.yaml", "--set", "numerics.dt=1 ms")
     lines = {line.split()[0]: line for line in done.stdout.splitlines()}

@@ -55,12 +55,14 @@ class Finding:
 
     Attributes:
         path: Its file, as given.
+        notes: What was made of its meshes.
         decisions: The plan with its reasons.
         warnings: Implausible values.
         cost: Size and price.
     """
 
     path: Path
+    notes: tuple[str, ...]
     decisions: tuple[Decision, ...]
     warnings: tuple[str, ...]
     cost: Cost
@@ -70,6 +72,7 @@ class Finding:
         return {
             "scenario": str(self.path),
             "ok": True,
+            "notes": list(self.notes),
             "plan": to_json([asdict(decision) for decision in self.decisions]),
             "warnings": list(self.warnings),
             "cost": to_json(asdict(self.cost)),
@@ -80,6 +83,7 @@ class Finding:
         return "\n".join(
             [
                 f"{self.path}: ok",
+                *(f"  {note}" for note in self.notes),
                 *(f"  {d.what}\n    because: {d.why}" for d in self.decisions),
                 f"  {c.free} free of {c.dofs} DOFs, {c.entries} matrix entries, {c.solver} solver",
                 f"  {c.steps} steps, {c.frames} frames",
@@ -96,7 +100,8 @@ def inspect(path: Path, *, overrides: tuple[str, ...], profile: str | None, allo
     """
     loaded = load(path, overrides=overrides, profile=profile, allow_outside=allow_outside)
     built = build(loaded)
-    return Finding(path, built.plan.decisions, (*loaded.warnings, *built.plan.warnings), estimate(built))
+    warnings = (*loaded.warnings, *built.plan.warnings)
+    return Finding(path, built.geometry.notes, built.plan.decisions, warnings, estimate(built))
 
 
 def estimate(built: Built) -> Cost:

@@ -69,6 +69,8 @@ def start(request: Start, present: Presenting) -> int:
         present.console.warn(warning)
     tock = time.perf_counter()
     built = build(loaded, planned=present.planned)
+    for note in built.geometry.notes:
+        present.console.say(note)
     for warning in built.plan.warnings:
         present.console.warn(warning)
     inputs = gather_inputs(loaded)
