@@ -56,7 +56,14 @@ class Probe:
         self.bound.add_linearization(c, into)
         assert_allclose(into.residual, self.residual(c), rtol=0, atol=1e-13 * _size(into.residual))
         back = np.ix_(self.pattern.order, self.pattern.order)
-        return dense(self.pattern, into.stiffness)[back], dense(self.pattern, into.damping)[back]
+        stiffness, damping = (
+            dense(self.pattern, into.stiffness)[back],
+            dense(self.pattern, into.damping)[back],
+        )
+        for one in into.rank_ones:
+            stiffness += np.outer(one.column, one.by_q)
+            damping += np.outer(one.column, one.by_v)
+        return stiffness, damping
 
 
 def _size(x: FloatArray) -> float:
@@ -91,7 +98,7 @@ def assert_derivatives(
     residual = probe.residual(c)
     stiffness, damping = probe.tangents(c)
     assert _size(residual) + _size(stiffness) + _size(damping) > 0.0, "nothing to differentiate"
-    if all(coupling.symmetric for coupling in term.couplings):
+    if term.couplings and all(coupling.symmetric for coupling in term.couplings):
         assert_allclose(stiffness, stiffness.T, rtol=0, atol=1e-13 * _size(stiffness))
     rng = np.random.default_rng(seed)
     directions = rng.normal(size=(4, len(q)))

@@ -13,7 +13,7 @@ from dismech_cli.model.dofs import DofMap
 from dismech_cli.model.model import Model
 from dismech_cli.model.term import Coupling, Linearization
 from dismech_cli.solve.inertia import _from_dense, _from_superlu, negative_eigenvalues
-from dismech_cli.solve.linear import FactorizationError
+from dismech_cli.solve.linear import FactorizationError, solve_updated
 from dismech_cli.solve.pardiso import InertiaCounter, pardiso_available
 from dismech_cli.solve.pattern import SparsityPattern
 from dismech_cli.solve.solvers import BAND_LIMIT, DENSE_LIMIT, LINEAR_SOLVERS, choose_solver
@@ -84,6 +84,38 @@ def test_zero_right_side(name: str) -> None:
     solver.analyze(pattern)
     solver.factorize(values)
     assert_allclose(solver.solve(np.zeros(pattern.m)), 0.0, atol=0.0)
+
+
+@pytest.mark.parametrize("rank", [0, 1, 3])
+def test_updates_of_low_rank(rank: int) -> None:
+    """The factors of A solve A + U V^T; an update that makes it singular is told."""
+    pattern, values = system("positive", isotropic_rod(*helix(10), UNEQUAL))
+    solver = LINEAR_SOLVERS["banded"]()
+    solver.analyze(pattern)
+    solver.factorize(values)
+    rng = np.random.default_rng(rank)
+    columns, rows = rng.normal(size=(2, pattern.m, rank))
+    rhs = rng.normal(size=pattern.m)
+    matrix = dense(pattern, values)
+    expected = np.linalg.solve(matrix + columns @ rows.T, rhs)
+    found = solve_updated(solver, columns, rows, rhs)
+    assert_allclose(found, expected, rtol=0, atol=1e-10 * np.abs(expected).max())
+    unit = np.eye(pattern.m)[:, :1]
+    with pytest.raises(FactorizationError):
+        solve_updated(_Identity(), unit, -unit, unit[:, 0])
+
+
+class _Identity:
+    """A solver of nothing: the update alone decides."""
+
+    name, indefinite = "identity", False
+
+    def analyze(self, pattern: SparsityPattern) -> None: ...
+
+    def factorize(self, values: FloatArray) -> None: ...
+
+    def solve(self, rhs: FloatArray) -> FloatArray:
+        return rhs
 
 
 def _stiffness(model: Model, q: FloatArray) -> tuple[SparsityPattern, FloatArray]:

@@ -6,6 +6,7 @@ motion: the bare sum over the triangles of an open shell would depend on the ori
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -65,8 +66,16 @@ class EnclosedVolume:
 
     def gradient(self, positions: FloatArray) -> FloatArray:
         """Derivative of the volume to each node [m^2], shape (N, 3)."""
-        x0, x1, x2 = self._at(positions)
-        shares = np.stack((np.cross(x1, x2), np.cross(x2, x0), np.cross(x0, x1)), axis=1) / 6.0
+        x = self._at(positions)
+        return self._to_nodes(_crossed(x, x) / 6.0)
+
+    def gradient_change(self, positions: FloatArray, change: FloatArray) -> FloatArray:
+        """Derivative of the gradient along a change of the positions [m], shape (N, 3)."""
+        x, d = self._at(positions), self._at(change)
+        return self._to_nodes((_crossed(x, d) + _crossed(d, x)) / 6.0)
+
+    def _to_nodes(self, shares: FloatArray) -> FloatArray:
+        """Sums of shares (T + K, 3, 3) of the corners, shape (N, 3)."""
         out = np.zeros((self.corners.shape[0], 3))
         np.add.at(out, self.triangles, shares)
         return np.asarray(self.corners.T @ out)
@@ -75,3 +84,8 @@ class EnclosedVolume:
         # far from the origin products of coordinates would cancel
         x = self.corners @ (positions - positions.mean(axis=0))
         return x[self.triangles[:, 0]], x[self.triangles[:, 1]], x[self.triangles[:, 2]]
+
+
+def _crossed(a: Sequence[FloatArray], b: Sequence[FloatArray]) -> FloatArray:
+    """Of triangles with corners a and b: a1 x b2, a2 x b0, a0 x b1, shape (T, 3, 3)."""
+    return np.stack((np.cross(a[1], b[2]), np.cross(a[2], b[0]), np.cross(a[0], b[1])), axis=1)

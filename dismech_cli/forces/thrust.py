@@ -1,9 +1,6 @@
 """Thrust of a bell that expels water: F = -k dV/dt along a direction while its volume shrinks.
 
-The force on one node depends on the velocities of all, so the exact tangent is a full matrix of
-rank one. It is left out (quasi-Newton): the force, shared in proportion to nodal mass, accelerates
-the bell as a rigid body, which does not change its volume, so what is left out is nearly zero.
-Newton's method still solves the exact equations; it takes a few iterations more.
+The force on one node depends on the velocities of all: the tangent is a full matrix of rank one.
 """
 
 from __future__ import annotations
@@ -16,7 +13,7 @@ from ..arrays import FloatArray, IntArray
 from ..model.configuration import Configuration
 from ..model.dofs import DofMap
 from ..model.driver import Driver
-from ..model.term import Coupling, Linearization, Pattern
+from ..model.term import Coupling, Linearization, Pattern, RankOne
 from .enclosed_volume import EnclosedVolume
 
 
@@ -45,7 +42,7 @@ class Thrust:
 
     @property
     def couplings(self) -> tuple[Coupling, ...]:
-        """None: the tangent is left out."""
+        """None: the tangent is not sparse."""
         return ()
 
     def bind(self, pattern: Pattern, driver: Driver) -> Thrust:
@@ -63,8 +60,16 @@ class Thrust:
         r[: self.n_positions] += min(self.rate(c), 0.0) * self.push.reshape(-1)
 
     def add_linearization(self, c: Configuration, into: Linearization) -> None:
-        """Subtract the thrust; no tangent."""
+        """Subtract the thrust and add its tangent."""
         self.add_residual(c, into.residual)
+        if self.rate(c) < 0.0:
+            x = c.q[: self.n_positions].reshape(-1, 3)
+            v = c.v[: self.n_positions].reshape(-1, 3)
+            column, by_q, by_v = (np.zeros_like(c.q) for _ in range(3))
+            column[: self.n_positions] = self.push.reshape(-1)
+            by_q[: self.n_positions] = self.sense * self.volume.gradient_change(x, v).reshape(-1)
+            by_v[: self.n_positions] = self.sense * self.volume.gradient(x).reshape(-1)
+            into.rank_ones.append(RankOne(column, by_q, by_v))
 
 
 def thrust(

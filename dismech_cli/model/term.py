@@ -7,7 +7,7 @@ the residual share is +dE/dq of an energy and -f of a force.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 import numpy as np
@@ -46,6 +46,21 @@ class Pattern(Protocol):
         """Slot of entry (row, column) of a pattern that stores both triangles."""
 
 
+@dataclass(frozen=True, slots=True)
+class RankOne:
+    """A tangent that couples all with all, as an outer product: too full for a sparse pattern.
+
+    Attributes:
+        column: shape (n,).
+        by_q: dr/dq is ``column by_q^T``, shape (n,).
+        by_v: dr/dv is ``column by_v^T``, shape (n,).
+    """
+
+    column: FloatArray
+    by_q: FloatArray
+    by_v: FloatArray
+
+
 @dataclass(slots=True)
 class Linearization:
     """Buffers that terms add into; made once per pattern, cleared before every assembly.
@@ -54,11 +69,13 @@ class Linearization:
         residual: r [N, N m], shape (n,), fixed DOFs included: there it is the reaction.
         stiffness: Values of dr/dq, shape (slots,).
         damping: Values of dr/dv, shape (slots,).
+        rank_ones: Tangents outside the pattern.
     """
 
     residual: FloatArray
     stiffness: FloatArray
     damping: FloatArray
+    rank_ones: list[RankOne] = field(default_factory=list)
 
     @classmethod
     def of(cls, n: int, slots: int) -> Linearization:

@@ -46,6 +46,29 @@ class LinearSolver(Protocol):
         """Solve with the last factors; raise :class:`FactorizationError` on a bad residual."""
 
 
+def solve_updated(solver: LinearSolver, columns: FloatArray, rows: FloatArray, rhs: FloatArray) -> FloatArray:
+    """Solve with the last factors and an update of low rank, (A + columns rows^T) x = rhs (Woodbury).
+
+    Args:
+        solver: Keeps the factors of A.
+        columns: shape (m, k), k small.
+        rows: shape (m, k).
+        rhs: shape (m,).
+
+    Raises:
+        FactorizationError: The updated matrix is singular.
+    """
+    x = solver.solve(rhs)
+    if columns.shape[1] == 0:
+        return x
+    z = np.stack([solver.solve(column) for column in columns.T], axis=1)
+    try:
+        weights = np.linalg.solve(np.eye(columns.shape[1]) + rows.T @ z, rows.T @ x)
+    except np.linalg.LinAlgError as error:
+        raise FactorizationError(str(error)) from error
+    return np.asarray(x - z @ weights)
+
+
 def checked(
     rhs: FloatArray,
     x: FloatArray,

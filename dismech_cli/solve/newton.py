@@ -15,7 +15,7 @@ import numpy as np
 from ..arrays import FloatArray, IntArray
 from ..model.frames import FrameState
 from .integrators import Stage
-from .linear import FactorizationError, LinearSolver
+from .linear import FactorizationError, LinearSolver, solve_updated
 from .status import Status
 from .system import Linearized, System
 from .tangents import Factorize, exact
@@ -119,7 +119,7 @@ def _full_steps(
         settled = at_floor
         try:
             settings.factorize(system, solver, stage, q, stored, now)
-            step = solver.solve(rhs)
+            step = solve_updated(solver, now.columns, now.rows, rhs)
         except FactorizationError:
             return _failed(q, now.residual, free, Status.FACTORIZATION_FAILED, iterations)
         moved, _ = _size(step, system)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import sqrt
@@ -14,7 +15,7 @@ from ..model.driver import Driver
 from ..model.frames import FrameState
 from ..model.model import Model
 from ..model.projection import ProjectedDriver
-from ..model.term import BoundEnergy, BoundTerm, Linearization
+from ..model.term import BoundEnergy, BoundTerm, Linearization, RankOne
 from .integrators import Stage, Weights
 from .pattern import SparsityPattern
 
@@ -28,12 +29,17 @@ class Linearized:
     Attributes:
         residual: M a + r, shape (n,); reactions on held DOFs.
         values: Stored entries of the tangent, shape (slots,).
+        columns: Tangents outside the pattern are ``columns @ rows.T``: columns of the free DOFs in
+            matrix order, shape (m, k); k is 0 but for forces that couple all with all.
+        rows: See ``columns``.
         force: Euclidean norm of the largest force that any term, or sum of terms, exerts [N].
         moment: The same for angles [N m].
     """
 
     residual: FloatArray
     values: FloatArray
+    columns: FloatArray
+    rows: FloatArray
     force: float
     moment: float
 
@@ -75,6 +81,7 @@ class System:
         self.at_angle = 1.0 - self.at_node
         self._inertia = np.zeros(self.pattern.slots)
         self._inertia_slope = 0.0
+        self._nothing = np.empty((self.pattern.m, 0))
         self.extent = float(np.ptp(model.dofs.positions(model.rest), axis=0).max())
 
     @property
@@ -118,6 +125,7 @@ class System:
         c = self.configuration(stage, q, stored)
         into, w = self._buffers, stage.weights
         into.residual[:] = 0.0
+        into.rank_ones.clear()
         into.stiffness[:] = self._tangent_of_inertia(w)
         if self._damped:
             into.damping[:] = 0.0
@@ -144,7 +152,16 @@ class System:
             head, tail = inertia[: self._split], inertia[self._split :]
             force, moment = max(force, _square(head)), max(moment, _square(tail))
             into.residual += inertia
-        return Linearized(into.residual, values, sqrt(force), sqrt(moment))
+        columns, rows = self._outside(into.rank_ones, w)
+        return Linearized(into.residual, values, columns, rows, sqrt(force), sqrt(moment))
+
+    def _outside(self, rank_ones: Sequence[RankOne], w: Weights) -> tuple[FloatArray, FloatArray]:
+        """Columns and rows of the tangents outside the pattern, each of shape (m, k)."""
+        if not rank_ones:
+            return self._nothing, self._nothing
+        columns = np.stack([one.column for one in rank_ones], axis=1)
+        rows = np.stack([w.q * one.by_q + w.v * one.by_v for one in rank_ones], axis=1)
+        return columns[self.pattern.free], rows[self.pattern.free]
 
     def _tangent_of_inertia(self, w: Weights) -> FloatArray:
         """Tangent values of the inertia before they are multiplied by the weight of positions."""
