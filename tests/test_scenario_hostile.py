@@ -57,11 +57,11 @@ def test_plain_aliases_work() -> None:
         ("a: 1\nb: 2\na: 3", "s.yaml:3:1: key 'a' appears twice, first on line 1"),
         ("a:\n\tb: 1", "s.yaml:2:1: a tab cannot indent YAML; use blanks"),
         ("a: !!python/object/apply:os.system [ls]", "s.yaml:1:4: tags such as tag:yaml.org,2002:python"),
-        ("a: .nan", "s.yaml:1:4: expected a finite number, got .nan"),
-        ("a: -.inf", "s.yaml:1:4: expected a finite number, got -.inf"),
-        ("a: 1e999", "s.yaml:1:4: expected a finite number, got 1e999"),
-        ("a: 99999999999999999999", "s.yaml:1:4: integer too large, got 99999999999999999999"),
-        ("a: " + "9" * 5000, "s.yaml:1:4: integer too large, got 999999999999999999999999..."),
+        ("a: .nan", "s.yaml:1:4: a: expected a finite number, got .nan"),
+        ("a: -.inf", "s.yaml:1:4: a: expected a finite number, got -.inf"),
+        ("a: 1e999", "s.yaml:1:4: a: expected a finite number, got 1e999"),
+        ("a: 99999999999999999999", "s.yaml:1:4: a: integer too large, got 99999999999999999999"),
+        ("a: " + "9" * 5000, "s.yaml:1:4: a: integer too large, got 999999999999999999999999..."),
         ("<<: {a: 1}", "s.yaml:1:1: merge keys (<<) are not part of YAML 1.2; use include"),
         ("[1]: 2", "s.yaml:1:1: a key must be plain text"),
         ("a: 1\n---\nb: 2", "s.yaml:2:1: not valid YAML: but found another document"),
@@ -99,7 +99,7 @@ def test_all_faults_of_a_text_are_told_at_once() -> None:
     message = _yaml_error("a: 1\na: 2\nb: .nan\nb: 3\n")
     assert [line for line in message.splitlines() if line.startswith("s.yaml")] == [
         "s.yaml:2:1: key 'a' appears twice, first on line 1",
-        "s.yaml:3:4: expected a finite number, got .nan",
+        "s.yaml:3:4: b: expected a finite number, got .nan",
         "s.yaml:4:1: key 'b' appears twice, first on line 3",
     ]
 

@@ -13,7 +13,7 @@ import yaml
 from yaml.error import MarkedYAMLError
 from yaml.reader import ReaderError
 
-from .document import MAX_DEPTH, MAX_NODES, Mark, Node, Scalar, Source
+from .document import MAX_DEPTH, MAX_NODES, KeyPath, Mark, Node, Scalar, Source
 from .problems import Problem, ProblemsError
 
 _NULL: Final = re.compile(r"(?:null|Null|NULL|~|)\Z")
@@ -103,7 +103,7 @@ def parse_yaml(source: Source) -> Node:
         raise ProblemsError([Problem(Mark(source, 1, 1), (), "the text is empty")])
     _Measure(source).node(root)
     converter = _Converter(source)
-    tree = converter.node(root, None)
+    tree = converter.node(root, None, ())
     if converter.problems:
         raise ProblemsError(converter.problems)
     return tree
@@ -153,15 +153,16 @@ class _Converter:
         self.source = source
         self.problems: list[Problem] = []
 
-    def node(self, raw: yaml.Node, key_mark: Mark | None) -> Node:
+    def node(self, raw: yaml.Node, key_mark: Mark | None, path: KeyPath) -> Node:
         mark = _mark(self.source, raw)
         if isinstance(raw, yaml.ScalarNode):
-            return Node(self._scalar(raw, mark), mark, key_mark)
+            return Node(self._scalar(raw, mark, path), mark, key_mark)
         if isinstance(raw, yaml.SequenceNode):
-            return Node(tuple(self.node(item, None) for item in raw.value), mark, key_mark)
-        return Node(self._mapping(raw), mark, key_mark)
+            items = tuple(self.node(item, None, (*path, i)) for i, item in enumerate(raw.value))
+            return Node(items, mark, key_mark)
+        return Node(self._mapping(raw, path), mark, key_mark)
 
-    def _mapping(self, raw: yaml.Node) -> dict[str, Node]:
+    def _mapping(self, raw: yaml.Node, path: KeyPath) -> dict[str, Node]:
         entries: dict[str, Node] = {}
         for key, value in raw.value:
             mark = _mark(self.source, key)
@@ -179,10 +180,10 @@ class _Converter:
                     Problem(mark, (), f"key {key.value!r} appears twice, first on line {first.line}")
                 )
                 continue
-            entries[key.value] = self.node(value, mark)
+            entries[key.value] = self.node(value, mark, (*path, key.value))
         return entries
 
-    def _scalar(self, raw: yaml.ScalarNode, mark: Mark) -> Scalar:
+    def _scalar(self, raw: yaml.ScalarNode, mark: Mark, path: KeyPath) -> Scalar:
         text = str(raw.value)
         if raw.style is not None:
             return text
@@ -190,7 +191,7 @@ class _Converter:
             return resolve(text)
         except ValueError as error:
             shown = text if len(text) <= 24 else text[:24] + "..."
-            self.problems.append(Problem(mark, (), f"{error}, got {shown}"))
+            self.problems.append(Problem(mark, path, f"{error}, got {shown}"))
             return 0
 
 
