@@ -26,6 +26,7 @@ from dismech_cli.model.shell import (
     hinge_stiffness,
     shell_mass,
     triangle_areas,
+    weighted_hinge_stiffness,
 )
 from dismech_cli.model.shell_frames import ShellFrames
 from dismech_cli.model.stencil import StencilEnergy
@@ -90,7 +91,7 @@ def shell(
 
     Args:
         mesh: Its nodes and triangles.
-        bending: ``hinge``, ``midedge`` or ``averaged``.
+        bending: ``hinge``, ``weighted`` (hinges), ``midedge`` or ``averaged``.
         membrane: ``cst`` or ``springs``.
         material: The sheet.
         driver: Runs the kernels.
@@ -105,6 +106,10 @@ def shell(
     match bending:
         case "hinge":
             stiffness = hinge_stiffness(e, h, len(topology.hinges))
+            bend = hinge_term("bend", dofs, nodes, topology.hinges, stiffness)
+        case "weighted":
+            pair = adjacent_areas(topology.edge_faces, areas)[topology.hinge_edges]
+            stiffness = weighted_hinge_stiffness(e, h, lengths[topology.hinge_edges], pair)
             bend = hinge_term("bend", dofs, nodes, topology.hinges, stiffness)
         case "averaged":
             bend = midedge_averaged_term(

@@ -13,6 +13,8 @@ from shell_decks import BELL, MIXED, SHEET, Deck, made, refused, shell_deck, wri
 from dismech_cli import load
 from dismech_cli.build.doubts import unevenness
 from dismech_cli.mesh.generate_shell import Pattern, sheet
+from dismech_cli.mesh.topology_shell import shell_edges
+from dismech_cli.model.shell import edge_lengths
 
 __all__ = ["made", "refused", "write"]
 
@@ -58,6 +60,25 @@ def test_plan_says_what_shells_need(made: Any) -> None:
     assert "no mid-edge normals on shell 'sheet'" in str(hinged.plan)
     assert free.simulation.model.dofs.n_normals > 0
     assert hinged.simulation.model.dofs.n_normals == 0
+
+
+@pytest.mark.parametrize("pattern", ["equilateral", "right", "alternating"])
+def test_weighted_hinges_follow_their_shape(made: Any, pattern: str) -> None:
+    """Length^2 over both areas, next to what one constant gives; the same between equilateral triangles."""
+    bending = {"bending": "hinge"}
+    scenes = [
+        made(shell_deck(SHEET | {"pattern": pattern}, body=bending | {"hinges": hinges}))
+        for hinges in ("equal", "weighted")
+    ]
+    equal, weighted = (
+        next(t for t in scene.simulation.model.terms if t.name == "sheet.bending").parameters[1]
+        for scene in scenes
+    )
+    geometry = scenes[0].geometry
+    topology = shell_edges(geometry.triangles)
+    length = edge_lengths(geometry.nodes, topology.hinges[:, :2])
+    pair = geometry.areas[topology.hinge_faces].sum(axis=1)
+    assert_allclose(weighted / equal, length**2 / pair * np.sqrt(3.0) / 2.0, rtol=1e-12)
 
 
 def test_uneven_meshes_are_doubtful_for_hinges_only(made: Any) -> None:
@@ -134,6 +155,7 @@ def test_refused(refused: Any, keys: Deck, message: str) -> None:
     ("body", "message"),
     [
         ({"thickness": -1.0}, "geometry[0].thickness: must be greater than 0"),
+        ({"hinges": "weighted"}, "'hinges' has a meaning with bending: hinge only, got 'midedge'"),
         ({"bending": "hing"}, "geometry[0].bending: expected 'midedge', 'hinge' or 'averaged'"),
         ({"generate": SHEET | {"axes": [[1, 0, 0], [2, 0, 0]]}}, "axes of a sheet must not be parallel"),
         ({"generate": BELL | {"polar_angles": [0.1, 0.2]}}, "give either 'rings' or 'polar_angles'"),

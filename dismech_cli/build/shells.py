@@ -23,6 +23,7 @@ from ..model.shell import (
     hinge_stiffness,
     midedge_springs,
     triangle_areas,
+    weighted_hinge_stiffness,
 )
 from ..model.shell_frames import ShellFrames
 from ..model.stencil import StencilEnergy
@@ -118,8 +119,7 @@ class _Parts:
             )
         rest = edge_lengths(self.positions, t.edges)
         if self.shell.membrane == "springs":
-            around = adjacent_areas(t.edge_faces, triangle_areas(self.positions, self.triangles))
-            stiffness = area_springs(p.youngs_modulus, p.thickness, rest, around)
+            stiffness = area_springs(p.youngs_modulus, p.thickness, rest, self._adjacent_areas())
         elif self.shell.bending == "hinge":
             stiffness = hinge_springs(p.youngs_modulus, p.thickness, rest)
         else:
@@ -130,7 +130,7 @@ class _Parts:
         """The bending energy asked for, stress-free in the rest shape."""
         name, p, t = f"{self.shell.name}.bending", self.sheet, self.topology
         if self.shell.bending == "hinge":
-            stiffness = hinge_stiffness(p.youngs_modulus, p.thickness, len(t.hinges))
+            stiffness = self._hinge_stiffness()
             return hinge_term(name, self.dofs, self.positions, t.hinges, stiffness)
         if self.shell.bending == "averaged":
             return midedge_averaged_term(
@@ -157,6 +157,18 @@ class _Parts:
             poisson_ratio=p.poisson_ratio,
             thickness=p.thickness,
         )
+
+    def _hinge_stiffness(self) -> FloatArray:
+        p, t = self.sheet, self.topology
+        if self.shell.hinges != "weighted":
+            return hinge_stiffness(p.youngs_modulus, p.thickness, len(t.hinges))
+        lengths = edge_lengths(self.positions, t.edges)[t.hinge_edges]
+        around = self._adjacent_areas()[t.hinge_edges]
+        return weighted_hinge_stiffness(p.youngs_modulus, p.thickness, lengths, around)
+
+    def _adjacent_areas(self) -> FloatArray:
+        """Area of the triangles at each edge [m^2], shape (B,)."""
+        return adjacent_areas(self.topology.edge_faces, triangle_areas(self.positions, self.triangles))
 
 
 def _flattened(energy: StencilEnergy) -> StencilEnergy:

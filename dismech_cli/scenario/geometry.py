@@ -10,7 +10,7 @@ from pydantic import Field, Strict, model_validator
 from .quantity import DirectionTriple, FileName, Name, PositiveLength, Quantity
 from .section import RoundSection, Section
 from .shape import Shape
-from .spec import Spec, exactly_one
+from .spec import Spec, exactly_one, problem
 from .surface import Surface
 
 Curvature: TypeAlias = Annotated[float, Quantity("curvature")]
@@ -115,11 +115,19 @@ class Shell(Spec):
         "and `averaged` normals halfway between faces have no unknowns of their own, but are a plate on "
         "nearly equilateral triangles only.",
     )
+    hinges: Literal["equal", "weighted"] | None = Field(
+        default=None,
+        description="Stiffness of hinges, for `bending: hinge`: `equal` (the default there), as between "
+        "equilateral triangles, or `weighted` by length^2 over the area of both triangles, which is no plate "
+        "on other nets either.",
+    )
     natural: NaturalShape = Field(default=NaturalShape(), description="Shape without bending.")
 
     @model_validator(mode="after")
     def _sound(self) -> Shell:
         exactly_one(self, "generate", "mesh")
+        if self.hinges is not None and self.bending != "hinge":
+            raise problem(f"'hinges' has a meaning with bending: hinge only, got {self.bending!r}")
         return self
 
 
