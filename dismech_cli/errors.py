@@ -25,18 +25,6 @@ class MeshError(ScenarioError):
     """A mesh file or generator gives an unusable mesh (exit 2)."""
 
 
-class SolveError(DismechError):
-    """The solver gave up; frames and checkpoint written so far are kept (exit 3)."""
-
-    exit_code = 3
-
-
-class ExpectationError(DismechError):
-    """The run ended, but an ``expect:`` entry was missed (exit 4)."""
-
-    exit_code = 4
-
-
 class OutputError(DismechError):
     """A result could not be written or read (exit 5)."""
 

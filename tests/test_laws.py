@@ -41,7 +41,6 @@ def test_shape_follows_s_and_pickles(law: Law) -> None:
 def test_table_is_held_outside_and_linear_between() -> None:
     law = LAWS[1]
     assert_allclose([law(t) for t in (-1.0, 0.5, 2.0, 9.0)], [0.0, 1.0, 1.5, 1.0], rtol=ROUNDING)
-    assert law.knots() == (0.0, 1.0, 3.0)
 
 
 def test_step_table_jumps_at_its_times() -> None:
@@ -71,7 +70,6 @@ def test_bad_tables(times: tuple[float, ...], values: tuple[float, ...], message
 
 def test_ramp_sine_and_sawtooth() -> None:
     assert [LAWS[4](t) for t in (0.0, 1.5, 7.0)] == [1.0, 2.0, 3.0]
-    assert LAWS[4].knots() == (1.0, 2.0)
     assert_allclose([LAWS[5](t) for t in (0.0, 1.0, 3.0)], [1.0, 3.0, -1.0], rtol=ROUNDING)
     assert_allclose([LAWS[6](t) for t in (0.0, 0.25, 0.75, 1.0)], [-1.0, -0.5, 0.5, -1.0], rtol=ROUNDING)
     triangle = Sawtooth(amplitude=1.0, frequency=1.0, width=0.5)

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..model.driven import Drive, DrivenEnergy
 from ..model.stencil import StencilEnergy
-from ..scenario.actuation import DihedralActuation, SurfaceCurvatureActuation
+from ..scenario.actuation import ShellActuation
 from ..scenario.load import LoadedScenario
 from .geometry import Geometry
 from .laws import ToLaw
@@ -29,7 +29,7 @@ def build_rod_elastic(
     of_edges: list[Drive] = []
     of_joints: list[Drive] = []
     for index, actuation in enumerate(loaded.scenario.actuation):
-        if isinstance(actuation, DihedralActuation | SurfaceCurvatureActuation):
+        if isinstance(actuation, ShellActuation):
             continue
         rod = [r.name for r in geometry.rods].index(actuation.rod)
         law = laws(actuation.value)

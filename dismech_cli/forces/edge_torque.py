@@ -20,7 +20,8 @@ from ..arrays import FloatArray, IntArray
 from ..model.configuration import Configuration
 from ..model.driver import Driver
 from ..model.laws import Law
-from ..model.term import BoundTerm, Coupling, Linearization, Pattern
+from ..model.term import BoundTerm, Coupling, Pattern
+from .clique import BoundCliques
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,37 +65,14 @@ class EdgeTorque:
 
     def bind(self, pattern: Pattern, driver: Driver) -> BoundTerm:
         """Look the entries up."""
-        dofs = self.dofs
-        slots = pattern.slots_of(np.repeat(dofs, 7, axis=1), np.tile(dofs, (1, 7)))
-        return _BoundTorque(self.name, self, dofs, slots)
-
-
-@dataclass(frozen=True, slots=True)
-class _BoundTorque:
-    """Torques bound to a pattern."""
-
-    name: str
-    load: EdgeTorque
-    dofs: IntArray
-    slots: IntArray
-
-    def add_residual(self, c: Configuration, r: FloatArray) -> None:
-        """Subtract the force."""
-        np.add.at(r, self.dofs, self._evaluate(c)[0])
-
-    def add_linearization(self, c: Configuration, into: Linearization) -> None:
-        """Subtract the force and add its tangent."""
-        residual, tangent = self._evaluate(c)
-        np.add.at(into.residual, self.dofs, residual)
-        np.add.at(into.stiffness, self.slots, tangent.reshape(len(tangent), 49))
+        return BoundCliques.of(self.name, self.dofs, pattern, self._evaluate)
 
     def _evaluate(self, c: Configuration) -> tuple[FloatArray, FloatArray]:
-        load = self.load
-        moment = float(load.law(c.t)) * load.moments
-        v = c.q[load.heads] - c.q[load.tails]
+        moment = float(self.law(c.t)) * self.moments
+        v = c.q[self.heads] - c.q[self.tails]
         # the last seven rows of the auxiliary array: stored tangents, normals and angles
-        stored = c.frames.auxiliary[len(c.frames.auxiliary) - 7 * load.n_normals :]
-        d = stored.reshape(7, load.n_normals)[:3, load.edges].T
+        stored = c.frames.auxiliary[len(c.frames.auxiliary) - 7 * self.n_normals :]
+        d = stored.reshape(7, self.n_normals)[:3, self.edges].T
         length = np.sqrt((v * v).sum(axis=1))[:, None]
         t = v / length
         along = (d * v).sum(axis=1)[:, None]

@@ -20,7 +20,8 @@ from ..arrays import FloatArray, IntArray
 from ..model.configuration import Configuration
 from ..model.driver import Driver
 from ..model.laws import Law
-from ..model.term import Coupling, Linearization, Pattern
+from ..model.term import BoundTerm, Coupling, Pattern
+from .clique import BoundCliques
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,38 +63,15 @@ class EdgeMoment:
             parts.append(self.angles[:, None])
         return np.concatenate(parts, axis=1)
 
-    def bind(self, pattern: Pattern, driver: Driver) -> BoundEdgeMoment:
+    def bind(self, pattern: Pattern, driver: Driver) -> BoundTerm:
         """Look the entries up."""
-        dofs = self._dofs
-        size = dofs.shape[1]
-        slots = pattern.slots_of(np.repeat(dofs, size, axis=1), np.tile(dofs, (1, size)))
-        return BoundEdgeMoment(self.name, self, dofs, slots)
-
-
-@dataclass(frozen=True, slots=True)
-class BoundEdgeMoment:
-    """Edge moments bound to a pattern."""
-
-    name: str
-    load: EdgeMoment
-    dofs: IntArray
-    slots: IntArray
-
-    def add_residual(self, c: Configuration, r: FloatArray) -> None:
-        """Subtract the couple."""
-        np.add.at(r, self.dofs, self._evaluate(c)[0])
-
-    def add_linearization(self, c: Configuration, into: Linearization) -> None:
-        """Subtract the couple and add its tangent."""
-        residual, tangent = self._evaluate(c)
-        np.add.at(into.residual, self.dofs, residual)
-        np.add.at(into.stiffness, self.slots, tangent.reshape(len(tangent), -1))
+        return BoundCliques.of(self.name, self._dofs, pattern, self._evaluate)
 
     def _evaluate(self, c: Configuration) -> tuple[FloatArray, FloatArray]:
-        load, axes = self.load, list(self.load.axes)
-        moment = float(load.law(c.t)) * load.moments
+        axes = list(self.axes)
+        moment = float(self.law(c.t)) * self.moments
         e = np.zeros((len(moment), 3))
-        e[:, axes] = c.q[load.heads] - c.q[load.tails]
+        e[:, axes] = c.q[self.heads] - c.q[self.tails]
         square = (e * e).sum(axis=1)[:, None]
         couple = np.cross(moment, e) / square
         # d(M x e / e.e)/de = [M]x / e.e - 2 couple e^T / e.e
@@ -101,19 +79,19 @@ class BoundEdgeMoment:
         d[:, 0, 1], d[:, 0, 2], d[:, 1, 2] = -moment[:, 2], moment[:, 1], -moment[:, 0]
         d -= d.transpose(0, 2, 1)
         d = (d - 2.0 * couple[:, :, None] * e[:, None, :]) / square[:, :, None]
-        if load.angles.size:
+        if self.angles.size:
             # M.t [t]x / l^2, with t = e/l
             along = (moment * e).sum(axis=1)[:, None, None] / square[:, :, None] ** 2
             d -= 0.5 * along * np.cross(np.eye(3), e[:, None, :])
         k, f = d[:, axes][:, :, axes], couple[:, axes]
         n = len(axes)
-        size = self.dofs.shape[1]
+        size = self._dofs.shape[1]
         residual = np.zeros((len(moment), size))
         residual[:, :n], residual[:, n : 2 * n] = f, -f
         tangent = np.zeros((len(moment), size, size))
         tangent[:, :n, :n], tangent[:, :n, n : 2 * n] = -k, k
         tangent[:, n : 2 * n, :n], tangent[:, n : 2 * n, n : 2 * n] = k, -k
-        if load.angles.size:
+        if self.angles.size:
             length = np.sqrt(square)
             t = e / length
             residual[:, -1] = -(moment * t).sum(axis=1)

@@ -16,6 +16,7 @@ from ..model.dofs import DofMap
 from ..model.driver import Driver
 from ..model.laws import Law
 from ..model.term import BoundTerm, Coupling, Linearization, Pattern, Term
+from .clique import BoundCliques
 
 
 def pressure(name: str, dofs: DofMap, triangles: IntArray, law: Law) -> Term:
@@ -61,36 +62,15 @@ class FollowerPressure:
 
     def bind(self, pattern: Pattern, driver: Driver) -> BoundTerm:
         """Look the entries up."""
-        slots = pattern.slots_of(np.repeat(self.corners, 9, axis=1), np.tile(self.corners, (1, 9)))
-        return _BoundFollower(self.name, self, slots)
+        return BoundCliques.of(self.name, self.corners, pattern, self._evaluate)
 
-
-@dataclass(frozen=True, slots=True)
-class _BoundFollower:
-    """Follower pressure bound to a pattern."""
-
-    name: str
-    load: FollowerPressure
-    slots: IntArray
-
-    def add_residual(self, c: Configuration, r: FloatArray) -> None:
-        """Subtract the force."""
-        a, b = self._sides(c)
-        share = np.cross(a, b) * (-float(self.load.law(c.t)) / 6.0)
-        np.add.at(r, self.load.corners, np.tile(share, (1, 3)))
-
-    def add_linearization(self, c: Configuration, into: Linearization) -> None:
-        """Subtract the force and add its tangent."""
-        self.add_residual(c, into.residual)
-        a, b = self._sides(c)
-        scale = float(self.load.law(c.t)) / 6.0
+    def _evaluate(self, c: Configuration) -> tuple[FloatArray, FloatArray]:
+        x = c.q[self.corners]
+        a, b = x[:, 3:6] - x[:, 0:3], x[:, 6:9] - x[:, 0:3]
+        scale = float(self.law(c.t)) / 6.0
         by_a, by_b = scale * _cross_matrix(b), -scale * _cross_matrix(a)
         row = np.concatenate((-by_a - by_b, by_a, by_b), axis=2)
-        np.add.at(into.stiffness, self.slots, np.tile(row, (1, 3, 1)).reshape(len(a), 81))
-
-    def _sides(self, c: Configuration) -> tuple[FloatArray, FloatArray]:
-        x = c.q[self.load.corners]
-        return x[:, 3:6] - x[:, 0:3], x[:, 6:9] - x[:, 0:3]
+        return np.tile(-scale * np.cross(a, b), (1, 3)), np.tile(row, (1, 3, 1))
 
 
 @dataclass(frozen=True, slots=True)

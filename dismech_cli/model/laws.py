@@ -24,9 +24,6 @@ class Law(Protocol):
     def constant(self) -> bool:
         """True if the value does not change in time."""
 
-    def knots(self) -> tuple[float, ...]:
-        """Times [s] of single kinks or jumps, ascending; periodic ones are not listed."""
-
     def __call__(self, t: float, s: Value = 0.0) -> Value:
         """The value at ``t``: a float, or an array of the shape of ``s`` if that is an array."""
 
@@ -48,10 +45,6 @@ class Constant:
     def constant(self) -> bool:
         """True."""
         return True
-
-    def knots(self) -> tuple[float, ...]:
-        """None."""
-        return ()
 
     def __call__(self, t: float, s: Value = 0.0) -> Value:
         """The value."""
@@ -100,10 +93,6 @@ class Table:
         """True if all values are equal."""
         return len(set(self.values)) == 1
 
-    def knots(self) -> tuple[float, ...]:
-        """The times; of a cubic table only the ends, the rest being smooth."""
-        return (self.times[0], self.times[-1]) if self.interpolation == "cubic" else self.times
-
     def __call__(self, t: float, s: Value = 0.0) -> Value:
         """The interpolated value."""
         return _spread(self._lookup(t), s)
@@ -138,10 +127,6 @@ class Ramp:
         """True if the ramp goes nowhere."""
         return self.before == self.after
 
-    def knots(self) -> tuple[float, ...]:
-        """Start and end."""
-        return (self.start, self.end)
-
     def __call__(self, t: float, s: Value = 0.0) -> Value:
         """The value on the ramp."""
         part = min(max((t - self.start) / (self.end - self.start), 0.0), 1.0)
@@ -161,10 +146,6 @@ class Sine:
     def constant(self) -> bool:
         """True without amplitude."""
         return self.amplitude == 0.0
-
-    def knots(self) -> tuple[float, ...]:
-        """None."""
-        return ()
 
     def __call__(self, t: float, s: Value = 0.0) -> Value:
         """The value of the wave."""
@@ -186,10 +167,6 @@ class Sawtooth:
     def constant(self) -> bool:
         """True without amplitude."""
         return self.amplitude == 0.0
-
-    def knots(self) -> tuple[float, ...]:
-        """None: its kinks are periodic."""
-        return ()
 
     def __call__(self, t: float, s: Value = 0.0) -> Value:
         """The value of the wave."""
@@ -224,10 +201,6 @@ class Expression:
     def constant(self) -> bool:
         """True if ``t`` does not occur."""
         return "t" not in self._compiled.variables
-
-    def knots(self) -> tuple[float, ...]:
-        """None known."""
-        return ()
 
     def __call__(self, t: float, s: Value = 0.0) -> Value:
         """The value.

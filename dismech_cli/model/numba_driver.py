@@ -120,14 +120,14 @@ class NumbaStencilLoop:
 
     def __init__(self, kernel: Kernel, dofs: IntArray, auxiliaries: IntArray, pattern: Pattern) -> None:
         self._loops = _stencil_loops(kernel)
-        self._shares = max(len(kernel.shares), 1)
+        self._energies = kernel.energies
         self._indices = (_unsigned(dofs), _unsigned(auxiliaries))
         i, j = kernel.local_pairs
         self._slots = _unsigned(pattern.symmetric_slots(dofs[:, i], dofs[:, j]))
 
     def energy(self, q: FloatArray, auxiliary: FloatArray, parameters: FloatArray) -> FloatArray:
         """Shares of the energy of each stencil [J]."""
-        out = np.empty((self._shares, parameters.shape[1]))
+        out = np.empty((self._energies, parameters.shape[1]))
         self._loops.energies(q, auxiliary, parameters, *self._indices, out)
         return out
 

@@ -83,7 +83,7 @@ def stencil_source(kernel: Kernel) -> str:
         y=_tuple(y),
         a=_tuple([f"auxiliary[places[s, {k}]]" for k in range(kernel.auxiliaries)]),
         p=_parameters(kernel.parameters),
-        energy=", ".join(f"out[{k}, s]" for k in range(max(len(kernel.shares), 1))),
+        energy=", ".join(f"out[{k}, s]" for k in range(kernel.energies)),
         gradient=_sums("r[dofs[s, {}]]", "g", dof, reduced, sign),
         hessian=_sums("values[slots[s, {}]]", "h", pair, packed, factor),
     )

@@ -63,7 +63,7 @@ class NumpyStencilLoop:
         self._auxiliaries = np.ascontiguousarray(auxiliaries.T)
         self._vectors = split
         self._y = np.empty((kernel.reduced, count))
-        self._energy = np.empty((max(len(kernel.shares), 1), count))
+        self._energy = np.empty((kernel.energies, count))
         self._gradient = np.empty((kernel.reduced, count))
         self._hessian = np.empty((kernel.reduced * (kernel.reduced + 1) // 2, count))
         local, reduced, signs = kernel.gradient_table

@@ -52,6 +52,11 @@ class Kernel:
         return self.dimension * len(self.vectors) + self.angles
 
     @property
+    def energies(self) -> int:
+        """Number of parts that the energy comes in."""
+        return max(len(self.shares), 1)
+
+    @property
     def dofs(self) -> int:
         """Number D of DOFs per stencil."""
         return self.dimension * self.nodes + self.angles

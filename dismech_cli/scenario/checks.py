@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TypeAlias, get_args
 
-from .actuation import DihedralActuation, SurfaceCurvatureActuation
+from .actuation import ShellActuation
 from .document import KeyPath
 from .force import (
     Aerodynamic,
@@ -112,7 +112,7 @@ def _rod_names(scenario: Scenario) -> Iterator[Finding]:
             if force.rods is None and not rods:
                 yield ("forces", i, "type"), "acts on rods, but the scene has none"
     for i, part in enumerate(scenario.actuation):
-        if isinstance(part, DihedralActuation | SurfaceCurvatureActuation):
+        if isinstance(part, ShellActuation):
             continue
         named.append((("actuation", i, "rod"), part.rod))
         if part.joints is not None and part.joints[1] < part.joints[0]:
@@ -138,7 +138,7 @@ def _shell_names(scenario: Scenario) -> Iterator[Finding]:
         if isinstance(force, Pressure | Thrust):
             named.append((("forces", i, "shell"), force.shell))
     for i, part in enumerate(scenario.actuation):
-        if isinstance(part, DihedralActuation | SurfaceCurvatureActuation):
+        if isinstance(part, ShellActuation):
             named.append((("actuation", i, "shell"), part.shell))
     for path, name in named:
         if name not in shells:

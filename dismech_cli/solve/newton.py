@@ -26,6 +26,8 @@ _FULL_STEPS = 20
 _RUNAWAY = 1e6
 # Armijo's constant and the shortest step of the energy line search.
 _ARMIJO, _SHORTEST = 1e-4, 2.0**-20
+# First share by which the diagonal of a tangent without a descent direction is raised.
+_LEAST_SHIFT = 1e-9
 
 
 @dataclass(frozen=True, slots=True)
@@ -155,12 +157,17 @@ def _line_search(
             return _failed(q, now.residual, free, Status.NOT_FINITE, iterations)
         if _small(size, now, system, settings.tolerance, floor):
             return _done(q, now.residual, free, iterations)
+        step = None
         try:
             values = settings.factorize(system, solver, stage, q, stored, now)
+            iterations += 1
+            if shift == 0.0:
+                step = _downhill(solver, gradient)
         except FactorizationError:
             values = now.values
-        step, shift, solves = _descent(system, solver, values, gradient, shift)
-        iterations += solves
+        if step is None:
+            step, shift, solves = _shifted(system, solver, values, gradient, shift or _LEAST_SHIFT)
+            iterations += solves
         if step is None:
             return _failed(q, now.residual, free, Status.FACTORIZATION_FAILED, iterations)
         # A string of a rod bends at once over many times its length: let it fall a length at a time.
@@ -173,10 +180,16 @@ def _line_search(
     return _failed(q, now.residual, free, Status.MAX_ITERATIONS, iterations)
 
 
-def _descent(
+def _downhill(solver: LinearSolver, gradient: FloatArray) -> FloatArray | None:
+    """Newton's step with the last factors, if it goes down the slope."""
+    step = solver.solve(-gradient)
+    return step if np.isfinite(step).all() and float(step @ gradient) < 0.0 else None
+
+
+def _shifted(
     system: System, solver: LinearSolver, values: FloatArray, gradient: FloatArray, shift: float
 ) -> tuple[FloatArray | None, float, int]:
-    """Direction with negative slope; the diagonal is shifted as little as needed."""
+    """Direction down the slope, the diagonal raised as little as needed; the next shift; solves done."""
     diagonal = system.pattern.diagonal
     size = np.abs(values[diagonal])
     base = values[diagonal].copy()
@@ -184,13 +197,13 @@ def _descent(
         values[diagonal] = base + shift * size
         try:
             solver.factorize(values)
-            step = solver.solve(-gradient)
+            step = _downhill(solver, gradient)
         except FactorizationError:
             step = None
-        if step is not None and np.isfinite(step).all() and float(step @ gradient) < 0.0:
+        if step is not None:
             # a shift that was needed is tried ten times smaller at the next iterate
-            return step, (0.1 * shift if shift > 1e-10 else 0.0), attempt + 1
-        shift = max(10.0 * shift, 1e-9)
+            return step, (0.1 * shift if shift > 0.1 * _LEAST_SHIFT else 0.0), attempt + 1
+        shift = 10.0 * shift
     return None, shift, 24
 
 
