@@ -31,13 +31,13 @@ class Wishes:
         output: The file, with ``format`` only.
     """
 
-    view: str | None
-    color_by: str | None
-    fps: float | None
-    size: tuple[int, int] | None
-    format: str | None
-    camera: str | None
-    output: Path | None
+    view: str | None = None
+    color_by: str | None = None
+    fps: float | None = None
+    size: tuple[int, int] | None = None
+    format: str | None = None
+    camera: str | None = None
+    output: Path | None = None
 
 
 def draw(run_dir: Path, wishes: Wishes, level: int) -> list[Path]:

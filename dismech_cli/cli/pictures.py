@@ -1,13 +1,11 @@
-"""Pictures that the scenario asks for, made in a process of their own after the run."""
+"""Pictures that the scenario asks for, made after the run."""
 
 from __future__ import annotations
 
-import json
-import os
-import subprocess
-import sys
+import time
 from pathlib import Path
 
+from ..errors import DismechError
 from ..scenario.output import Render
 from .console import Console
 
@@ -17,25 +15,29 @@ def wanted(render: Render) -> bool:
     return render.video != "none" or render.still or bool(render.plots)
 
 
-def make_pictures(run_dir: Path, console: Console) -> list[str]:
+def make_pictures(run_dir: Path, render: Render, frames: int, console: Console) -> list[str]:
     """Draw what the scenario of a run asks for; a failure is a warning, as the run itself is done.
+
+    Args:
+        run_dir: The run directory.
+        render: What is asked for.
+        frames: Number of frames of the run.
+        console: Says what is drawn and how long it took.
 
     Returns:
         The files made.
     """
-    console.say("rendering ...")
-    root = str(Path(__file__).resolve().parents[2])
-    path = os.pathsep.join([root, *filter(None, [os.environ.get("PYTHONPATH")])])
-    child = subprocess.run(
-        [sys.executable, "-m", "dismech_cli", "render", str(run_dir), "--json", "--quiet"],
-        env={**os.environ, "PYTHONPATH": path},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    if child.returncode != 0:
-        reason = child.stderr.strip().removeprefix("error: ") or f"the renderer ended with {child.returncode}"
-        console.warn(f"no pictures: {reason}\n  later: dismech render {run_dir}")
+    from .drawing import Wishes, draw
+
+    parts = [f"a video of {frames} frames"] if render.video != "none" else []
+    parts += ["a still"] if render.still else []
+    parts += ["diagrams"] if render.plots else []
+    console.say(f"rendering {', '.join(parts)}")
+    tick = time.perf_counter()
+    try:
+        files = draw(run_dir, Wishes(), console.level)
+    except DismechError as error:
+        console.warn(f"no pictures: {error}\n  later: dismech render {run_dir}")
         return []
-    files: list[str] = json.loads(child.stdout)["files"]
-    return files
+    console.say(f"rendered in {time.perf_counter() - tick:.3g} s")
+    return [str(file) for file in files]

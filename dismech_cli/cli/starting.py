@@ -108,8 +108,10 @@ def start(request: Start, present: Presenting) -> int:
 def finish(loaded: LoadedScenario, run_dir: Path, report: Report, present: Presenting) -> int:
     """Draw what the scenario asks for, show the result, return the exit code."""
     pictures: list[str] = []
-    if report.manifest.status == "done" and wanted(loaded.scenario.output.render):
-        pictures = make_pictures(run_dir, replace(present.console, log=run_dir / LOG_FILE))
+    render = loaded.scenario.output.render
+    if report.manifest.status == "done" and wanted(render):
+        console = replace(present.console, log=run_dir / LOG_FILE)
+        pictures = make_pictures(run_dir, render, report.manifest.counters["frames"], console)
     present.result(run_dir, report, pictures)
     return int(report.manifest.exit_code or 0)
 
