@@ -2,10 +2,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from ghost_topology import rod_shell_joints
 from numpy.testing import assert_allclose
 
 from dismech_cli.mesh.read import read_mesh
-from dismech_cli.mesh.topology_shell import rod_shell_joints
 
 MESHES = Path(__file__).parents[1] / "meshes"
 

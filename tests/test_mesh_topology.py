@@ -4,13 +4,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from ghost_topology import rod_shell_joints
 from numpy.testing import assert_array_equal
 
 from dismech_cli.arrays import IntArray
 from dismech_cli.errors import MeshError
 from dismech_cli.mesh.generate_shell import disc
 from dismech_cli.mesh.topology import ChainKind, chains, rod_stencils
-from dismech_cli.mesh.topology_shell import rod_shell_joints, shell_edges
+from dismech_cli.mesh.topology_shell import shell_edges
 
 DATA = Path(__file__).parent / "data"
 REFERENCES = ["rod_cantilever_n51", "hexparachute_n6"]

@@ -111,8 +111,7 @@ def test_numbers_of_the_cantilever_plates_are_those_of_plate_theory():
     # More terms move it by 2e-5.
     assert_allclose(-scene("shell_cantilever_midedge").scenario.expect["tip"].value, plate, rtol=2e-4)
     hinges = clamped_plate(-1.0 / 3.0, stiffness, 0.09125)
-    assert_allclose(-scene("shell_cantilever_hinge").scenario.expect["plate"].value, hinges, rtol=1e-3)
-    assert_allclose(-scene("shell_cantilever_hinge").scenario.expect["tip"].value, BEAM, rtol=1e-4)
+    assert_allclose(-scene("shell_cantilever_hinge").scenario.expect["tip"].value, hinges, rtol=1e-3)
 
 
 def test_mid_edge_normals_bend_like_a_beam_without_poisson_ratio():
