@@ -118,7 +118,7 @@ def test_exported_numbers_are_those_of_the_run(call, ran):
 def test_render_makes_a_picture(call, ran, monkeypatch):
     import dismech_cli.render.movie
 
-    monkeypatch.setattr(dismech_cli.render.movie, "find_renderer", lambda: "matplotlib")
+    monkeypatch.setattr(dismech_cli.render.movie, "_PREFERRED", "matplotlib")
     done = call("render", "out", "--format", "png", "--size", "160x120", "--view", "xz", "-o", "end.png")
     assert done.code == 0, done.stderr
     assert done.stdout == "end.png\n"
@@ -142,13 +142,19 @@ def test_render_refuses_what_does_not_exist(call, ran, options, message):
     assert "Traceback" not in done.stderr
 
 
-def test_render_without_a_renderer_ends_with_6(call, ran, monkeypatch):
+@pytest.fixture
+def no_renderer(monkeypatch):
+    """A machine on which drawing fails and nothing else draws."""
     import dismech_cli.render.movie
 
-    def nothing():
+    def fails(*_):
         raise RenderError("no picture can be made on this machine: apt-get install libegl1")
 
-    monkeypatch.setattr(dismech_cli.render.movie, "find_renderer", nothing)
+    monkeypatch.setattr(dismech_cli.render.movie, "_draw_all", fails)
+    monkeypatch.setattr(dismech_cli.render.movie, "find_renderer", fails)
+
+
+def test_render_without_a_renderer_ends_with_6(call, ran, no_renderer):
     done = call("render", "out", "--format", "png")
     assert done.code == 6
     assert "apt-get install libegl1" in done.stderr
@@ -181,13 +187,7 @@ def test_pictures_of_the_scenario_are_made_after_the_run(call, swing):
     assert all((swing / path).is_file() for path in pictures)
 
 
-def test_a_run_without_a_renderer_succeeds_with_a_warning(call, swing, monkeypatch):
-    import dismech_cli.render.movie
-
-    def nothing():
-        raise RenderError("no picture can be made on this machine")
-
-    monkeypatch.setattr(dismech_cli.render.movie, "find_renderer", nothing)
+def test_a_run_without_a_renderer_succeeds_with_a_warning(call, swing, no_renderer):
     still = ("--set", "output.render={still: true}")
     done = call("run", "swing.yaml", "--set", "numerics.t_end=0.01", *still, "-o", "out")
     assert done.code == 0, done.stderr

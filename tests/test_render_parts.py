@@ -185,7 +185,7 @@ def test_choices_are_checked():
 
 def test_wrong_formats_and_speeds_are_refused_before_any_work(tmp_path):
     with pytest.raises(ScenarioError, match="mp4, gif, png"):
-        render(tmp_path, format="avi")
+        render(tmp_path, formats=["avi"])
     with pytest.raises(ScenarioError, match="fps"):
         render(tmp_path, fps=0)
 
@@ -232,11 +232,33 @@ def test_a_machine_without_opengl_falls_back_then_names_the_packages(broken_vtk,
     assert caught.value.exit_code == 6
 
 
+def test_drawing_falls_back_where_vtk_dies(broken_vtk, tmp_path):
+    run_dir = write_run(tmp_path / "run", cantilever(frames=2))
+    (file,) = render(run_dir, formats=["png"], size=(160, 90))
+    assert file.stat().st_size > 0
+
+
+def test_a_still_and_a_video_share_their_frames(tmp_path, monkeypatch):
+    monkeypatch.setattr("dismech_cli.render.movie._PREFERRED", "matplotlib")
+    run_dir = write_run(tmp_path / "run", cantilever(frames=3))
+    drawn = []
+    still, video = render(
+        run_dir,
+        formats=["png", "gif"],
+        size=(160, 90),
+        progress=lambda done, total: drawn.append((done, total)),
+    )
+    assert (still.name, video.name) == ("iso-000002.png", "iso.gif")
+    assert drawn == [(1, 3), (2, 3), (3, 3)]
+    with pytest.raises(ScenarioError, match="takes one format"):
+        render(run_dir, formats=["png", "gif"], output=tmp_path / "one.png")
+
+
 def test_a_process_that_dies_while_drawing_is_an_error_here(broken_vtk, tmp_path, monkeypatch):
     monkeypatch.setattr("dismech_cli.render.movie.find_renderer", lambda: "pyvista")
     run_dir = write_run(tmp_path / "run", cantilever(frames=2))
     with pytest.raises(RenderError, match="drawing ended with signal SIGSEGV"):
-        render(run_dir, format="png")
+        render(run_dir, formats=["png"])
 
 
 def test_exits_are_described():

@@ -22,7 +22,7 @@ RENDERERS = ["pyvista", "matplotlib"]
 def renderer(request, monkeypatch):
     if request.param == "pyvista" and probe.find_renderer() != "pyvista":
         pytest.skip("this machine has no OpenGL library")
-    monkeypatch.setattr(movie, "find_renderer", lambda: request.param)
+    monkeypatch.setattr(movie, "_PREFERRED", request.param)
     return request.param
 
 
@@ -40,7 +40,7 @@ def test_a_rod_is_where_it_should_be(tmp_path, renderer):
     topology, frames = cantilever(frames=3)
     frames[2].positions[7] = np.nan  # what a failed run may leave must not stop the picture
     run_dir = write_run(tmp_path, (topology, frames))
-    files = movie.render(run_dir, view="xz", format="png", size=SIZE, times=[0.0, 0.1, 0.2])
+    files = movie.render(run_dir, view="xz", formats=["png"], size=SIZE, times=[0.0, 0.1, 0.2])
     assert [file.name for file in files] == [f"xz-{frame:06d}.png" for frame in range(3)]
     straight, bent = (inked(open_image(file)) for file in files[:2])
     rows, columns = np.nonzero(straight)
@@ -59,7 +59,7 @@ def test_a_rod_is_where_it_should_be(tmp_path, renderer):
 
 def test_colours_follow_the_field(tmp_path, renderer):
     run_dir = write_run(tmp_path, sheet(frames=2))
-    (file,) = movie.render(run_dir, format="png", size=SIZE, color_by="strain", ground="grid")
+    (file,) = movie.render(run_dir, formats=["png"], size=SIZE, color_by="strain", ground="grid")
     assert file == run_dir / "render" / "iso-strain-000001.png"
     robot = open_image(file)[:, SIZE[0] // 4 :].astype(int)
     assert (robot[..., 2] - robot[..., 0] > 40).sum() > 100, "low values are blue"
@@ -67,13 +67,13 @@ def test_colours_follow_the_field(tmp_path, renderer):
 
 
 def test_several_processes_draw_one_video_and_report_progress(tmp_path, monkeypatch):
-    monkeypatch.setattr(movie, "find_renderer", lambda: "matplotlib")
+    monkeypatch.setattr(movie, "_PREFERRED", "matplotlib")
     monkeypatch.setattr(movie, "_MANY_FRAMES", 4)
     monkeypatch.setattr(movie.os, "cpu_count", lambda: 2)
     run_dir = write_run(tmp_path, cantilever(frames=6))
     calls = []
     (file,) = movie.render(
-        run_dir, format="gif", size=(161, 91), progress=lambda done, total: calls.append((done, total))
+        run_dir, formats=["gif"], size=(161, 91), progress=lambda done, total: calls.append((done, total))
     )
     assert file == run_dir / "render" / "iso.gif"
     assert calls == [(done, 6) for done in range(1, 7)]
@@ -110,13 +110,13 @@ def test_outputs_go_where_they_are_told(tmp_path, monkeypatch):
             for file in job.files:
                 Image.new("RGB", job.settings.size).save(file)
 
-    monkeypatch.setattr(movie, "find_renderer", lambda: "matplotlib")
+    monkeypatch.setattr(movie, "_PREFERRED", "matplotlib")
     monkeypatch.setattr(movie, "_draw_all", draw_nothing)
     run_dir = write_run(tmp_path / "run", cantilever(frames=3))
     one = tmp_path / "one.png"
-    assert movie.render(run_dir, format="png", size=SIZE, output=one) == [one]
+    assert movie.render(run_dir, formats=["png"], size=SIZE, output=one) == [one]
     folder = tmp_path / "stills"
-    several = movie.render(run_dir, format="png", size=SIZE, output=folder, times=[0.0, 0.1])
+    several = movie.render(run_dir, formats=["png"], size=SIZE, output=folder, times=[0.0, 0.1])
     assert several == [folder / "iso-000000.png", folder / "iso-000001.png"]
     video = tmp_path / "deep" / "video.mp4"
     assert movie.render(run_dir, size=SIZE, output=video) == [video]
@@ -126,12 +126,12 @@ def test_outputs_go_where_they_are_told(tmp_path, monkeypatch):
 def test_no_encoder_and_no_frames_are_told(tmp_path, monkeypatch):
     run_dir = write_run(tmp_path / "run", (cantilever()[0], []))
     with pytest.raises(RenderError, match="no frames"):
-        movie.render(run_dir, format="png")
+        movie.render(run_dir, formats=["png"])
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
     with pytest.raises(RenderError, match=r"pip install \"dismech\[video\]\""):
-        movie.render(run_dir, format="mp4")
+        movie.render(run_dir, formats=["mp4"])
     with pytest.raises(OutputError, match="no such run"):
-        movie.render(tmp_path / "none", format="png")
+        movie.render(tmp_path / "none", formats=["png"])
 
 
 def test_scalars_are_plotted(tmp_path):

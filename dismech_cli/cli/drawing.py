@@ -51,14 +51,14 @@ def draw(run_dir: Path, wishes: Wishes, level: int) -> list[Path]:
     asked = _asked(run_dir)
     color_by = _field(wishes.color_by or asked.color_by)
     files: list[Path] = []
-    for kind in [wishes.format] if wishes.format else _formats(asked):
+    if formats := [wishes.format] if wishes.format else _formats(asked):
         files += make(
             run_dir,
             view=wishes.view or asked.view,
             color_by=color_by,
             fps=asked.fps if wishes.fps is None else wishes.fps,
             size=wishes.size or (asked.size[0], asked.size[1]),
-            format=kind,
+            formats=formats,
             camera=wishes.camera or asked.camera,
             output=wishes.output,
             progress=_progress(level),

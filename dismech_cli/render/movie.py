@@ -25,11 +25,13 @@ from .coloring import make_scale
 from .encode import require_encoder, write_gif, write_mp4
 from .framing import frame_motion
 from .job import Job
-from .probe import find_renderer
+from .probe import RendererName, find_renderer
 from .settings import Format, Settings, check_format, make_settings
 
 # Starting a process costs as much as drawing some dozens of frames.
 _MANY_FRAMES = 200
+# What draws unless it cannot; trying it out beforehand would cost as much as drawing some dozens of frames.
+_PREFERRED: RendererName = "pyvista"
 
 Progress = Callable[[int, int], None]
 """Called with the number of frames drawn and the number of all."""
@@ -44,14 +46,14 @@ def render(
     color_by: str | None = None,
     fps: float | None = None,
     size: tuple[int, int] = (1280, 720),
-    format: str = "mp4",
+    formats: Sequence[str] = ("mp4",),
     camera: str = "fixed",
     ground: str = "none",
     times: Times = None,
     output: Path | None = None,
     progress: Progress | None = None,
 ) -> list[Path]:
-    """Make a video or stills of a run.
+    """Make videos and stills of a run; each frame is drawn once.
 
     Args:
         run_dir: The run directory.
@@ -59,12 +61,12 @@ def render(
         color_by: Field that colours the bodies; None gives each body a colour.
         fps: Frames per second of a video; None plays in real time, within 10 to 60.
         size: Width and height [pixel]; odd lengths are rounded up to even ones.
-        format: ``mp4``, ``gif`` or ``png``.
+        formats: Any of ``mp4``, ``gif`` and ``png``.
         camera: ``fixed`` or ``tracking``.
         ground: ``none`` or ``grid``.
         times: Frames of stills: ``"first"``, ``"last"`` or times [s], the nearest frames; None means the
             last frame for stills and all frames for videos.
-        output: The file, or a folder for several stills; default inside ``<run_dir>/render``.
+        output: The file, or a folder for several stills, of one format; default inside ``<run_dir>/render``.
         progress: Called after each frame.
 
     Returns:
@@ -75,46 +77,62 @@ def render(
         OutputError: If the run cannot be read or a file cannot be written.
         RenderError: If this machine cannot draw or encode.
     """
-    chosen = check_format(format)
+    chosen = [check_format(name) for name in formats]
+    if output is not None and len(chosen) != 1:
+        raise ScenarioError("a file for the output takes one format")
     settings = make_settings(view=view, color_by=color_by, size=size, camera=camera, ground=ground)
     if fps is not None and not 0.0 < fps <= 1000.0:
         raise ScenarioError(f"fps {fps:g}: expected a number above 0, up to 1000")
-    if chosen == "mp4":
+    if "mp4" in chosen:
         require_encoder()
     with read(run_dir) as run:
         if not len(run):
             raise RenderError(f"{run_dir} has no frames to draw")
         all_times = run.t
-        frames = select_frames(all_times, chosen, times)
+        selected = {format: select_frames(all_times, format, times) for format in chosen}
         framing = frame_motion(run, settings)
         scale = None if color_by is None else make_scale(run, color_by)
-    renderer = find_renderer()
-    files = _output_files(run_dir, output, settings, chosen, frames)
-    with output_errors(files[0].parent, "create"):
-        files[0].parent.mkdir(parents=True, exist_ok=True)
+    speed = real_time_fps(all_times) if fps is None else fps
+    made: list[Path] = []
     with tempfile.TemporaryDirectory(prefix="dismech-render-") as folder:
-        pictures = [Path(folder) / f"{frame:06d}.png" for frame in frames]
-        jobs = [
-            Job(
-                run_dir=run_dir.resolve(),
-                renderer=renderer,
-                settings=settings,
-                framing=framing,
-                scale=scale,
-                frames=tuple(frames[part]),
-                files=tuple(pictures[part]),
-            )
-            for part in _shares(len(frames))
-        ]
-        _draw_all(jobs, progress)
-        if chosen == "png":
-            for picture, file in zip(pictures, files, strict=True):
-                with staged(file) as temporary:
-                    shutil.copyfile(picture, temporary)
-        else:
-            speed = real_time_fps(all_times) if fps is None else fps
-            (write_mp4 if chosen == "mp4" else write_gif)(pictures, files[0], speed)
-    return files
+        pictures = {
+            frame: Path(folder) / f"{frame:06d}.png"
+            for frame in sorted({*itertools.chain(*selected.values())})
+        }
+
+        def jobs(renderer: RendererName) -> list[Job]:
+            frames, files = tuple(pictures), tuple(pictures.values())
+            return [
+                Job(
+                    run_dir=run_dir.resolve(),
+                    renderer=renderer,
+                    settings=settings,
+                    framing=framing,
+                    scale=scale,
+                    frames=frames[part],
+                    files=files[part],
+                )
+                for part in _shares(len(frames))
+            ]
+
+        _draw(jobs, progress)
+        for format, frames in selected.items():
+            files = _output_files(run_dir, output, settings, format, frames)
+            with output_errors(files[0].parent, "create"):
+                files[0].parent.mkdir(parents=True, exist_ok=True)
+            _write(format, [pictures[frame] for frame in frames], files, speed)
+            made += files
+    return made
+
+
+def _write(format: Format, pictures: list[Path], files: list[Path], fps: float) -> None:
+    """Copy stills, encode a video."""
+    if format == "png":
+        for picture, file in zip(pictures, files, strict=True):
+            with staged(file) as temporary:
+                shutil.copyfile(picture, temporary)
+    else:
+        (write_mp4 if format == "mp4" else write_gif)(pictures, files[0], fps)
 
 
 def select_frames(all_times: FloatArray, format: Format, times: Times) -> list[int]:
@@ -154,6 +172,17 @@ def _shares(count: int) -> list[slice]:
     processes = 1 if count < _MANY_FRAMES else os.cpu_count() or 1
     bounds = np.linspace(0, count, processes + 1).round().astype(int).tolist()
     return [slice(low, high) for low, high in itertools.pairwise(bounds) if high > low]
+
+
+def _draw(jobs: Callable[[RendererName], list[Job]], progress: Progress | None) -> None:
+    """Draw with the preferred renderer, or with the best one that works."""
+    try:
+        _draw_all(jobs(_PREFERRED), progress)
+    except RenderError:
+        working = find_renderer()
+        if working == _PREFERRED:
+            raise
+        _draw_all(jobs(working), progress)
 
 
 def _draw_all(jobs: list[Job], progress: Progress | None) -> None:
