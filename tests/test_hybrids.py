@@ -155,6 +155,41 @@ def test_a_weld_is_the_half_of_an_edge_and_weighs_nothing(made: Any, divisions: 
     assert_allclose(total, 6e-3 * LENGTH + LENGTH * WIDTH * 1e-3 * 1000.0, rtol=1e-12)
 
 
+def through(modulus: float, **keys: Any) -> Deck:
+    """The rod along x from -LENGTH to LENGTH, welded to the middle of a square sheet across it."""
+    deck = strip(21, 4, modulus=modulus, **keys)
+    rod, sheet = deck["geometry"]
+    rod["generate"] = {"shape": "line", "from": [-LENGTH, 0, 0], "to": [LENGTH, 0, 0], "nodes": 21}
+    sheet["generate"] |= {
+        "origin": [0, -WIDTH / 2, -WIDTH / 2],
+        "axes": [[0, 1, 0], [0, 0, 1]],
+        "length": WIDTH,
+    }
+    pair = [{"nodes": {"of": body, "indices": [middle]}} for body, middle in (("rod", 10), ("sheet", 12))]
+    deck["joints"] = [{"type": "rigid", "nodes": pair}]
+    return deck
+
+
+def test_a_rod_through_a_wall_is_two_cantilevers(ran: Any) -> None:
+    held = {"motions": [{"type": "clamp", "where": "sheet.boundary"}]}
+    result = ran(through(1e15, **held, **push("rod.end", [0.0, 0.0, 1e-5])))
+    sag = moved(result, [LENGTH, 0.0, 0.0])[2]
+    # each half begins at the wall; a cantilever of n edges sags (1 + 1/(2 n^2)) of a beam
+    assert_allclose(sag, 1e-5 * LENGTH**3 / (3.0 * BENDING_1) * (1.0 + 0.5 / 10**2), rtol=1e-5)
+    assert abs(moved(result, [-LENGTH, 0.0, 0.0])[2]) < 1e-6 * sag
+
+
+def test_a_rod_through_a_soft_sheet_stays_whole(ran: Any) -> None:
+    """Its halves about the weld are springs in a row: one cantilever of twenty edges, whose sheet hangs on."""
+    for axis, stiffness in ((2, BENDING_1), (1, BENDING_2)):
+        load = [0.0, 0.0, 0.0]
+        load[axis] = 1e-5
+        result = ran(through(1e3, **push("rod.end", load)))
+        sag = moved(result, [LENGTH, 0.0, 0.0])[axis]
+        exact = 1e-5 * (2.0 * LENGTH) ** 3 / (3.0 * stiffness) * (1.0 + 0.5 / 20**2)
+        assert_allclose(sag, exact, rtol=1e-5)
+
+
 @pytest.mark.parametrize("release", ["bending", "twist"])
 def test_released_welds_pass_the_rest(ran: Any, made: Any, release: str) -> None:
     """A rod pinned at its start, its other end on a plate that is held all over."""
@@ -260,8 +295,8 @@ MIDDLE = {"nodes": {"of": "other", "indices": [1]}}
     ("joints", "message"),
     [
         (
-            [{"type": "rigid", "nodes": [MIDDLE, ROOT]}],
-            "joints[0].nodes: 2 edges of a rod meet here; only its end is welded to a shell: part it there",
+            [{"type": "rigid", "nodes": [MIDDLE, ROOT], "release": "twist"}],
+            "joints[0].release: 2 edges of a rod meet here, between which twist must pass",
         ),
         (
             [{"type": "rigid", "nodes": [MIDDLE, "rod.end"], "footprint": 0.01}],
@@ -277,7 +312,7 @@ MIDDLE = {"nodes": {"of": "other", "indices": [1]}}
         ),
     ],
 )
-def test_refused_where_no_end_of_a_rod_meets_a_shell(refused: Any, joints: list[Deck], message: str) -> None:
+def test_refused_where_no_rod_or_no_end_meets_a_shell(refused: Any, joints: list[Deck], message: str) -> None:
     deck = strip(6, 10)
     deck["geometry"] += [line("other", [0.05, 0, 0], [0.15, 0, 0]), deck["geometry"][1] | {"name": "second"}]
     deck["joints"] = joints

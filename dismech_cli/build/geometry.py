@@ -22,7 +22,7 @@ from .shell_body import ShellProperties, shell_mesh, shell_properties
 
 @dataclass(frozen=True, slots=True)
 class ShellWeld:
-    """The end of a rod that turns with a shell.
+    """An edge of a rod that turns with a shell at one of its ends.
 
     Attributes:
         edge: The rod's edge.
@@ -57,8 +57,10 @@ class Geometry:
         rod_edges: Edges of each rod, in its own order.
         hinges: Nodes where no bending or twist passes between any edges.
         rod_hinges: Nodes where none passes between edges of different rods.
+        parted: Node and rod where none passes between the rod's own edges, shape (P, 2): both turn with a
+            shell there.
         released: Nodes where ``bending`` or ``twist`` alone does not pass between different rods.
-        shell_welds: Ends of rods that turn with a shell.
+        shell_welds: Edges of rods that turn with a shell.
         files: File of each body's mesh, or None, and its nodes' numbers there.
         notes: What the mesh readers said.
     """
@@ -80,6 +82,7 @@ class Geometry:
     rod_edges: Mapping[str, IntArray]
     hinges: IntArray
     rod_hinges: IntArray
+    parted: IntArray
     released: Mapping[str, IntArray]
     shell_welds: tuple[ShellWeld, ...]
     files: Mapping[str, tuple[Path, IntArray]]
@@ -172,6 +175,7 @@ def assemble_geometry(loaded: LoadedScenario) -> Geometry:
         rod_edges=rod_edges,
         hinges=empty,
         rod_hinges=empty,
+        parted=np.empty((0, 2), dtype=np.int64),
         released={},
         shell_welds=(),
         files=files,

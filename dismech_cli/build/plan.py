@@ -236,6 +236,9 @@ def free_joints(geometry: Geometry, triples: IntArray, rods: IntArray) -> BoolAr
     """
     centre = triples[:, 1]
     released = np.isin(centre, geometry.hinges)
-    released |= np.isin(centre, geometry.rod_hinges) & (rods[:, 0] != rods[:, 1])
+    same = rods[:, 0] == rods[:, 1]
+    released |= np.isin(centre, geometry.rod_hinges) & ~same
+    node, rod = geometry.parted.T
+    released |= np.isin(centre * len(geometry.rods) + rods[:, 0], node * len(geometry.rods) + rod) & same
     kept: BoolArray = ~released
     return kept

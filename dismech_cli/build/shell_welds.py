@@ -1,4 +1,4 @@
-"""Ends of rods welded to shells, as elastic energies.
+"""Rods welded to shells, as elastic energies.
 
 A weld bends and twists over the half of the rod's edge on its side, as the joint at a clamp does: the
 shell is the wall. The triangles that it turns with share its stiffness by their areas, so that it does

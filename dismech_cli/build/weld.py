@@ -10,7 +10,7 @@ import numpy as np
 
 from ..arrays import IntArray
 from ..model.shell import edge_lengths
-from ..scenario.joint import HingeJoint
+from ..scenario.joint import HingeJoint, RigidJoint
 from ..scenario.load import LoadedScenario
 from ..scenario.selection import SelectionPair
 from .geometry import Geometry, ShellWeld
@@ -25,7 +25,7 @@ def weld_joints(loaded: LoadedScenario, geometry: Geometry) -> Geometry:
 
     Raises:
         ScenarioError: Two nodes of a joint do not coincide, or it is rigid and one is on a shell but the
-            other is no end of a rod.
+            other is on no rod.
     """
     target = np.arange(len(geometry.nodes))
     hinges: list[int] = []
@@ -51,7 +51,7 @@ def weld_joints(loaded: LoadedScenario, geometry: Geometry) -> Geometry:
             continue
         on_shell = np.isin((a, b), geometry.triangles)
         if on_shell.any():
-            welds.append(_shell_weld(loaded, geometry, index, (b, a) if on_shell[0] else (a, b)))
+            welds += _shell_welds(loaded, geometry, index, (b, a) if on_shell[0] else (a, b))
             continue
         if joint.footprint is not None:
             raise loaded.error((*path, "footprint"), "neither node is on a shell")
@@ -84,6 +84,7 @@ def weld_joints(loaded: LoadedScenario, geometry: Geometry) -> Geometry:
         body_nodes=moved(geometry.body_nodes),
         hinges=index_of[np.array(hinges, dtype=np.int64)],
         rod_hinges=index_of[np.array(rod_hinges, dtype=np.int64)],
+        parted=np.array([(index_of[w.node], geometry.edge_rod[w.edge]) for w in welds]).reshape(-1, 2),
         released={what: index_of[np.array(nodes, dtype=np.int64)] for what, nodes in released.items()},
         shell_welds=tuple(replace(weld, node=int(index_of[weld.node])) for weld in welds),
     )
@@ -112,20 +113,28 @@ def _pair(
     return a, b
 
 
-def _shell_weld(loaded: LoadedScenario, geometry: Geometry, index: int, nodes: tuple[int, int]) -> ShellWeld:
-    """The end of a rod, the first node, that turns with the shell at the second."""
+def _shell_welds(
+    loaded: LoadedScenario, geometry: Geometry, index: int, nodes: tuple[int, int]
+) -> list[ShellWeld]:
+    """The edges of a rod at the first node, which turn with the shell at the second.
+
+    Within a rod there are two. Each bends and twists over its half, as two springs in a row do: with a
+    shell that gives way between them they are the rod's own joint.
+    """
+    path = ("joints", index)
     edges = np.flatnonzero((geometry.edges == nodes[0]).any(axis=1))
     if len(edges) == 0:
         raise loaded.error(
-            ("joints", index, "nodes"),
-            "a rigid joint welds rods, or a rod to a shell; for two shells take 'hinge'",
+            (*path, "nodes"), "a rigid joint welds rods, or a rod to a shell; for two shells take 'hinge'"
         )
-    if len(edges) > 1:
+    joint = loaded.scenario.joints[index]
+    if len(edges) > 1 and isinstance(joint, RigidJoint) and joint.release is not None:
         raise loaded.error(
-            ("joints", index, "nodes"),
-            f"{len(edges)} edges of a rod meet here; only its end is welded to a shell: part it there",
+            (*path, "release"),
+            f"{len(edges)} edges of a rod meet here, between which {joint.release} must pass; "
+            "only its end may be released from a shell",
         )
-    return ShellWeld(int(edges[0]), nodes[1], index)
+    return [ShellWeld(int(edge), nodes[1], index) for edge in edges]
 
 
 def _shared_by_file(geometry: Geometry) -> list[tuple[int, int]]:

@@ -14,7 +14,7 @@ from .spec import Spec, exactly_one
 class RigidJoint(Spec):
     """Welds two coinciding nodes: bending and twist pass through every pair of edges there.
 
-    The end of a rod may be welded to a shell: it then turns with the triangles around the node.
+    A node of a rod may be welded to a shell: the rod then turns with the triangles around it.
     """
 
     type: Literal["rigid"] = Field(description="Kind of joint.")
