@@ -180,7 +180,7 @@ def test_a_rod_through_a_wall_is_two_cantilevers(ran: Any) -> None:
 
 
 def test_a_rod_through_a_soft_sheet_stays_whole(ran: Any) -> None:
-    """Its halves about the weld are springs in a row: one cantilever of twenty edges, whose sheet hangs on."""
+    """Its halves about the weld are springs in a row: one cantilever of twenty edges."""
     for axis, stiffness in ((2, BENDING_1), (1, BENDING_2)):
         load = [0.0, 0.0, 0.0]
         load[axis] = 1e-5
