@@ -5,6 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TypeAlias, get_args
 
+import numpy as np
+
+from ..model.expression import VARIABLES, compile_expression
 from .actuation import ShellActuation
 from .document import KeyPath
 from .force import (
@@ -20,6 +23,7 @@ from .force import (
     Viscous,
 )
 from .geometry import Body, Shell
+from .law import PLACES, ExpressionLaw
 from .motion import Clamp, Twist
 from .numerics import Static
 from .output import RodField, ShellField
@@ -30,6 +34,9 @@ from .suggest import hint, listed
 from .walk import walk
 
 Finding: TypeAlias = tuple[KeyPath, str]
+
+# Times at which expressions are tried, both ends among them.
+_TRIED = 101
 
 SURFACE_GROUPS = {
     "sheet": ("left", "right", "bottom", "top", "rim"),
@@ -49,6 +56,7 @@ def findings(scenario: Scenario) -> Iterator[Finding]:
     yield from _shell_names(scenario)
     yield from _dimension(scenario)
     yield from _time(scenario)
+    yield from _expressions(scenario)
     yield from _forces(scenario)
     yield from _output(scenario)
     yield from _expectations(scenario)
@@ -185,6 +193,23 @@ def _time(scenario: Scenario) -> Iterator[Finding]:
             yield ("numerics", key), "missing key: a run in time needs it"
     if numerics.dt is not None and numerics.t_end is not None and numerics.dt > numerics.t_end:
         yield ("numerics", "dt"), f"longer than the run of {numerics.t_end:g} s"
+
+
+def _expressions(scenario: Scenario) -> Iterator[Finding]:
+    """Laws that have no value at some time of the run; those of places wait for the mesh."""
+    end = 1.0 if isinstance(scenario.numerics.integrator, Static) else scenario.numerics.t_end or 0.0
+    for path, value in walk(scenario):
+        if not isinstance(value, ExpressionLaw):
+            continue
+        law = compile_expression(value.expression, (*VARIABLES, *PLACES))
+        if law.variables.intersection(PLACES):
+            continue
+        for t in np.linspace(0.0, end, _TRIED):
+            with np.errstate(all="ignore"):
+                finite = np.isfinite(law.program({"t": float(t), "s": 0.5}))
+            if not finite:
+                yield (*path, "expression"), f"{value.expression!r} has no finite value at t = {t:g} s"
+                break
 
 
 def _forces(scenario: Scenario) -> Iterator[Finding]:
