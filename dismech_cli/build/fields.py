@@ -9,7 +9,7 @@ from typing import get_args
 import numpy as np
 
 from ..model.dofs import DofMap
-from ..output.frame import FieldSpec, Topology
+from ..output.frame import Topology
 from ..run import fields as made
 from ..run.shell_fields import AmongCells, AreaStrainField, BendingEnergyField
 from ..scenario.load import LoadedScenario
@@ -94,43 +94,38 @@ def _twist(scene: Scene) -> made.Field:
 
 def _axial_strain(scene: Scene) -> made.Field:
     edges = scene.geometry.edges
-    spec = FieldSpec(
-        name="axial_strain", unit="1", long_name="axial strain from the rest length", location="cell"
-    )
-    zero, one = np.zeros(len(edges)), np.ones(len(edges))
-    return made.AxialField(edges, scene.skeleton.rest_lengths[: len(edges)], zero, one, spec)
+    return made.AxialStrainField(edges, scene.skeleton.rest_lengths[: len(edges)])
 
 
 def _axial_force(scene: Scene) -> made.Field:
-    edges = scene.geometry.edges
-    spec = FieldSpec(name="axial_force", unit="N", long_name="axial force, tension positive", location="cell")
     assert scene.rods.stretch is not None
-    natural, stiffness, rest = scene.rods.stretch.parameters
-    return made.AxialField(edges, rest, natural, stiffness, spec)
+    _, stiffness, rest = scene.rods.stretch.parameters
+    return made.AxialForceField(scene.geometry.edges, rest, stiffness, scene.rods.stretch.name)
 
 
 def _bending_moment(scene: Scene) -> made.Field:
-    joints, rods = scene.skeleton.joints, scene.rods
-    measure: made.Curvatures
+    joints = scene.skeleton.joints
+    measure = _curvatures(scene)
+    return made.MomentField(len(scene.geometry.nodes), joints.triples, joints.voronoi, measure)
+
+
+def _curvatures(scene: Scene) -> made.Curvatures:
+    triples, bending = scene.skeleton.joints.triples, scene.rods.bending
+    if bending is None:
+        return made.NoCurvatures()
     if scene.plan.bending is Bending.FRAMED:
-        assert rods.bending is not None
-        *_, cosine, sine = rods.bending.parameters
-        measure = made.MaterialCurvatures(
-            joints.triples,
-            rods.bending_stiffness,
-            rods.bending.natural[:2],
-            rods.auxiliary_indices,
-            joints.signs,
+        *_, cosine, sine = bending.parameters
+        return made.MaterialCurvatures(
+            triples,
+            scene.rods.bending_stiffness,
+            bending.name,
+            scene.rods.auxiliary_indices,
+            scene.skeleton.joints.signs,
             np.arctan2(sine, cosine),
         )
-    elif scene.plan.bending is Bending.PLANAR and rods.bending is not None:
-        natural, stiffness, _ = rods.bending.parameters
-        normal = np.array(PLANAR_AXIS[scene.plan.axes])
-        measure = made.BinormalCurvatures(joints.triples, stiffness, natural, normal)
-    else:
-        stiffness = rods.bending_stiffness[0]
-        measure = made.BinormalCurvatures(joints.triples, stiffness, np.zeros_like(stiffness), None)
-    return made.MomentField(len(scene.geometry.nodes), joints.triples, joints.voronoi, measure)
+    normal = np.array(PLANAR_AXIS[scene.plan.axes]) if scene.plan.bending is Bending.PLANAR else None
+    *_, stiffness, _ = bending.parameters
+    return made.BinormalCurvatures(triples, stiffness, bending.name, normal)
 
 
 def _director(scene: Scene) -> made.Field:

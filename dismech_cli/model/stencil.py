@@ -158,6 +158,10 @@ class BoundStencil:
     loop: StencilLoop
     parameters: FloatArray
 
+    def natural(self, t: float) -> FloatArray:
+        """Natural strains, the same at all times, shape (naturals, S); a view."""
+        return self.parameters[: self.naturals]
+
     def energy(self, c: Configuration) -> FloatArray:
         """Energies [J], shape (shares, S)."""
         return self.loop.energy(c.q, c.frames.auxiliary, self.parameters)

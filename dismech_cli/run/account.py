@@ -7,7 +7,8 @@ time integrator made or lost: kinetic + elastic + gravitational - initial - work
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -15,14 +16,11 @@ from ..arrays import FloatArray
 from ..forces.load import DeadLoad
 from ..model.configuration import Configuration
 from ..model.driven import BoundDriven
-from ..model.frames import NoFrames
+from ..model.frames import Frames, TrialFrames
 from ..model.model import Model
 from ..model.motion import moving_dofs
 from ..model.state import State
 from ..model.term import BoundEnergy, BoundTerm
-
-_UNFRAMED = NoFrames()
-
 
 # Energy from nowhere, in units of all energy that was given: no damping scheme comes near, and an
 # unstable one passes it within a few steps.
@@ -50,6 +48,7 @@ class EnergyAccount:
         self._size = float(np.ptp(model.dofs.positions(model.rest), axis=0).max())
         self._mass = float(model.mass.sum())
         self._roles = roles
+        self._last: _Known | None = None
         self._bound: Mapping[str, BoundTerm] = {}
         self._elastic: Sequence[BoundEnergy] = ()
         self._gravitational: Sequence[BoundEnergy] = ()
@@ -58,13 +57,14 @@ class EnergyAccount:
     def bind(self, terms: Sequence[BoundTerm], t: float) -> None:
         """Use these bound terms from time ``t`` [s] on, with the DOFs that are held then."""
         model = self._model
+        self._last = None
         self._moving = moving_dofs(model.motions, model.rest, self._initial_velocity, t)
         self._bound = {term.name: term for term in terms}
         # once per binding: a check against a protocol costs as much as a term
         energies = [term for term in terms if isinstance(term, BoundEnergy)]
         self._elastic = [t for t in energies if t.shares[0] in self._roles.elastic]
         self._gravitational = [t for t in energies if t.name in self._roles.gravitational]
-        self._driven = [t for t in terms if isinstance(t, BoundDriven)]
+        self._driven = [t for t in energies if isinstance(t, BoundDriven)]
         steady = {t.name for t in terms if isinstance(t, DeadLoad) and t.law.constant}
         self._changing = [t for t in self._gravitational if t.name not in steady]
 
@@ -75,18 +75,19 @@ class EnergyAccount:
 
     def advance(self, before: State, after: State) -> None:
         """Book the work of the step between two states."""
+        start, end = self._see(before), self._see(after)
         if self._moving.size:
-            self.sums["external_work"] += self._work_of_holds(before, after)
+            self.sums["external_work"] += self._work_of_holds(start, end)
         if self._roles.loads or self._roles.dissipative:
             middle, moved = self._middle(before, after), after.q - before.q
             self.sums["external_work"] -= self._work(self._roles.loads, middle, moved)
             self.sums["dissipation"] += self._work(self._roles.dissipative, middle, moved)
-        self._book_drives(before, after)
-        self._book_gravity_change(before, after)
+        self.sums["actuation_work"] += self._change_in_time(self._driven, start, end)
+        self.sums["external_work"] += self._change_in_time(self._changing, start, end)
 
     def measure(self, state: State) -> Mapping[str, float]:
         """All entries of the account at ``state`` [J]."""
-        c = self._at(state, state.t)
+        c = self._see(state).at(state.t)
         entries = {"kinetic": 0.5 * float(self._model.mass @ (state.v * state.v))}
         for term in self._elastic:
             entries |= zip(term.shares, term.energy(c).sum(axis=1).tolist(), strict=True)
@@ -107,33 +108,41 @@ class EnergyAccount:
             seconds: Duration of the run [s]. Motions below a millionth of the robot's size in that
                 time are round-off, not energy.
         """
+        if not self._mass:
+            return False  # statics rests in a balance that Newton's method has checked
         speed = 1e-6 * self._size / seconds
         given = abs(entries["external_work"]) + abs(entries["dissipation"]) + abs(self.sums["initial"])
         given += abs(entries["gravitational"]) + self._mass * speed**2
         return entries["error"] > _RUNAWAY * given
 
-    def _work_of_holds(self, before: State, after: State) -> float:
+    def _work_of_holds(self, before: _Known, after: _Known) -> float:
         """Work of what holds and drives [J]: against all forces by the trapezoidal rule, and on masses.
 
         Mean forces, not forces of the mean state: there, edges that turn are shorter.
         """
         moving = self._moving
-        path = after.q[moving] - before.q[moving]
-        squares = after.v[moving] ** 2 - before.v[moving] ** 2
+        path = after.state.q[moving] - before.state.q[moving]
+        squares = after.state.v[moving] ** 2 - before.state.v[moving] ** 2
         work = 0.5 * float(self._model.mass[moving] @ squares)
         if path.any():
-            r = np.zeros_like(after.q)
-            for state in (before, after):
-                c = self._at(state, state.t)
-                for term in self._bound.values():
-                    term.add_residual(c, r)
-            work += 0.5 * float(r[moving] @ path)
+            work += 0.5 * float((self._resistance(before) + self._resistance(after)) @ path)
         return work
+
+    def _resistance(self, known: _Known) -> FloatArray:
+        """Residual of all terms on the moving DOFs."""
+        if known.resistance is None:
+            r = np.zeros_like(known.state.q)
+            c = known.at(known.state.t)
+            for term in self._bound.values():
+                term.add_residual(c, r)
+            known.resistance = r[self._moving]
+        return known.resistance
 
     def _middle(self, before: State, after: State) -> Configuration:
         """The mean state of a step, where work is measured with second-order accuracy."""
         q = 0.5 * (before.q + after.q)
-        v = (after.q - before.q) / (after.t - before.t)
+        # pseudo-time has no speed
+        v = (after.q - before.q) / (after.t - before.t) if self._mass else np.zeros_like(q)
         return Configuration(0.5 * (before.t + after.t), q, v, self._model.frames.transport(before.frames, q))
 
     def _work(self, names: tuple[str, ...], c: Configuration, moved: FloatArray) -> float:
@@ -143,25 +152,44 @@ class EnergyAccount:
             self._bound[name].add_residual(c, r)
         return float(r @ moved)
 
-    def _book_drives(self, before: State, after: State) -> None:
-        """Work of actuators: change of elastic energy by natural strain at fixed shape."""
-        for term in self._driven:
-            change = 0.0
-            for state in (before, after):
-                late, early = self._at(state, after.t), self._at(state, before.t)
-                change += 0.5 * float(term.energy(late).sum() - term.energy(early).sum())
-            self.sums["actuation_work"] += change
+    def _change_in_time(self, terms: Sequence[BoundEnergy], before: _Known, after: _Known) -> float:
+        """Change of energies by time alone [J], the mean of that at both shapes."""
+        if not terms:
+            return 0.0
+        late, early = before.at(after.state.t), after.at(before.state.t)
+        stored = self._stored(terms, after) - self._stored(terms, before)
+        crossed = sum(float(term.energy(late).sum()) for term in terms)
+        crossed -= sum(float(term.energy(early).sum()) for term in terms)
+        return 0.5 * (crossed + stored)
 
-    def _book_gravity_change(self, before: State, after: State) -> None:
-        """Work of a gravity that changes in time: change of potential at fixed position."""
-        for term in self._changing:
-            change = 0.0
-            for state in (before, after):
-                # weight acts on positions: frames need not be transported
-                frames = _UNFRAMED.transport(state.frames, state.q)
-                late, early = (Configuration(t, state.q, state.v, frames) for t in (after.t, before.t))
-                change += 0.5 * float(term.energy(late).sum() - term.energy(early).sum())
-            self.sums["external_work"] += change
+    def _stored(self, terms: Sequence[BoundEnergy], known: _Known) -> float:
+        """Energy of terms at their own time [J]."""
+        total = 0.0
+        for term in terms:
+            if term.name not in known.energies:
+                known.energies[term.name] = float(term.energy(known.at(known.state.t)).sum())
+            total += known.energies[term.name]
+        return total
 
-    def _at(self, state: State, t: float) -> Configuration:
-        return Configuration(t, state.q, state.v, self._model.frames.transport(state.frames, state.q))
+    def _see(self, state: State) -> _Known:
+        """What is known of a state; a step begins at the end of the last one."""
+        if self._last is None or self._last.state is not state:
+            self._last = _Known(state, self._model.frames)
+        return self._last
+
+
+@dataclass
+class _Known:
+    """A state, and what has been computed of it."""
+
+    state: State
+    frames: Frames
+    resistance: FloatArray | None = None
+    energies: dict[str, float] = field(default_factory=dict)
+
+    @cached_property
+    def transported(self) -> TrialFrames:
+        return self.frames.transport(self.state.frames, self.state.q)
+
+    def at(self, t: float) -> Configuration:
+        return Configuration(t, self.state.q, self.state.v, self.transported)

@@ -18,6 +18,12 @@ BENDING_MOMENT = FieldSpec(
     name="bending_moment", unit="N m", long_name="magnitude of the bending moment", location="node"
 )
 TWIST = FieldSpec(name="twist", unit="rad/m", long_name="material twist per length", location="node")
+AXIAL_STRAIN = FieldSpec(
+    name="axial_strain", unit="1", long_name="axial strain from the rest length", location="cell"
+)
+AXIAL_FORCE = FieldSpec(
+    name="axial_force", unit="N", long_name="axial force, tension positive", location="cell"
+)
 DIRECTOR = FieldSpec(
     name="director", unit="1", long_name="first material director m1", location="cell", components=3
 )
@@ -85,28 +91,55 @@ class Curvatures(Protocol):
 
 
 @dataclass(frozen=True, slots=True)
+class NoCurvatures:
+    """Where no joint bends."""
+
+    def __call__(self, s: Snapshot) -> FloatArray:
+        """No values (1, 0)."""
+        return np.empty((1, 0))
+
+
+@dataclass(frozen=True, slots=True)
 class BinormalCurvatures:
-    """For straight or planar rods: EI (|kappa b| - kappa_0)."""
+    """For straight or planar rods: EI (|kappa b| - kappa_0); an isotropic rod has no kappa_0.
+
+    Attributes:
+        triples: Nodes of the joints, shape (J, 3).
+        stiffness: EI [N m^2], shape (J,).
+        energy: Name of the bending energy.
+        normal: Of the plane, or None in space.
+    """
 
     triples: IntArray
     stiffness: FloatArray
-    natural: FloatArray
+    energy: str
     normal: FloatArray | None
 
     def __call__(self, s: Snapshot) -> FloatArray:
         """Values (1, J)."""
         kb = curvature_binormal(s.positions, self.triples)
         kappa = np.linalg.norm(kb, axis=1) if self.normal is None else kb @ self.normal
-        return (self.stiffness * (kappa - self.natural))[None]
+        # one row of natural strain, or none
+        moments: FloatArray = self.stiffness * (kappa - s.natural(self.energy).sum(axis=0))
+        return moments[None]
 
 
 @dataclass(frozen=True, slots=True)
 class MaterialCurvatures:
-    """For framed rods: both material directions."""
+    """For framed rods: both material directions.
+
+    Attributes:
+        triples: Nodes of the joints, shape (J, 3).
+        stiffness: EI_1 and EI_2 [N m^2], shape (2, J).
+        energy: Name of the bending energy; its first natural strains are the curvatures.
+        places: Of the directors in the auxiliary array.
+        signs: Of the edges at the joints, shape (J, 2).
+        rest_twist: At the joints [rad], shape (J,).
+    """
 
     triples: IntArray
     stiffness: FloatArray
-    natural: FloatArray
+    energy: str
     places: IntArray
     signs: FloatArray
     rest_twist: FloatArray
@@ -116,7 +149,7 @@ class MaterialCurvatures:
         kappa = material_curvatures(
             s.positions, self.triples, s.frames.auxiliary, self.places, self.signs, self.rest_twist
         )
-        return self.stiffness * (kappa - self.natural)
+        return self.stiffness * (kappa - s.natural(self.energy)[:2])
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,18 +174,40 @@ class TwistField:
 
 
 @dataclass(frozen=True, slots=True)
-class AxialField:
-    """Axial strain of edges, times a stiffness less a natural strain: a force if that is EA."""
+class AxialStrainField:
+    """Axial strain of edges from their rest lengths."""
 
     edges: IntArray
     rest: FloatArray
-    natural: FloatArray
-    stiffness: FloatArray
-    spec: FieldSpec
+    spec: FieldSpec = AXIAL_STRAIN
 
     def __call__(self, s: Snapshot) -> FloatArray:
         """Values (E,)."""
-        return self.stiffness * (lengths(s.positions, self.edges) / self.rest - 1.0 - self.natural)
+        return lengths(s.positions, self.edges) / self.rest - 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class AxialForceField:
+    """EA times the elastic part of the axial strain.
+
+    Attributes:
+        edges: Shape (E, 2).
+        rest: Rest lengths [m], shape (E,).
+        stiffness: EA [N], shape (E,).
+        energy: Name of the stretching energy.
+    """
+
+    edges: IntArray
+    rest: FloatArray
+    stiffness: FloatArray
+    energy: str
+    spec: FieldSpec = AXIAL_FORCE
+
+    def __call__(self, s: Snapshot) -> FloatArray:
+        """Values (E,)."""
+        (natural,) = s.natural(self.energy)
+        force: FloatArray = self.stiffness * (lengths(s.positions, self.edges) / self.rest - 1.0 - natural)
+        return force
 
 
 @dataclass(frozen=True, slots=True)

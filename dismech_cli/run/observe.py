@@ -6,8 +6,9 @@ from collections.abc import Callable, Mapping
 
 from ..arrays import FloatArray
 from ..model.configuration import Configuration
+from ..model.driven import BoundDriven
 from ..model.state import State
-from ..model.term import BoundEnergy
+from ..model.stencil import BoundStencil
 from ..output.frame import Frame
 from ..solve.step import Stepper
 from .account import EnergyAccount, Roles
@@ -55,11 +56,16 @@ class Observer:
             measure,
             lambda: self._stepper.negative_eigenvalues(state),
             lambda name: self._stencil_energies(name, state),
+            lambda name: self._stencils(name).natural(state.t),
         )
 
-    def _stencil_energies(self, name: str, state: State) -> FloatArray:
+    def _stencils(self, name: str) -> BoundStencil | BoundDriven:
         (term,) = (term for term in self._stepper.system.terms if term.name == name)
-        assert isinstance(term, BoundEnergy)
+        assert isinstance(term, BoundStencil | BoundDriven)
+        return term
+
+    def _stencil_energies(self, name: str, state: State) -> FloatArray:
+        term = self._stencils(name)
         frames = self._simulation.model.frames.transport(state.frames, state.q)
         energies: FloatArray = term.energy(Configuration(state.t, state.q, state.v, frames)).sum(axis=0)
         return energies

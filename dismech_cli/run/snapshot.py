@@ -24,6 +24,7 @@ class Snapshot:
         measure_energies: Gives the energy account [J] by name.
         count_negative: Gives the number of negative eigenvalues of the stiffness.
         stencil_energies: Gives the energy of each stencil of a named energy [J], shape (S,).
+        natural: Gives the natural strains of a named energy at the time of the state, shape (naturals, S).
     """
 
     model: Model
@@ -32,6 +33,7 @@ class Snapshot:
     measure_energies: Callable[[], Mapping[str, float]]
     count_negative: Callable[[], int]
     stencil_energies: Callable[[str], FloatArray]
+    natural: Callable[[str], FloatArray]
 
     @property
     def dofs(self) -> DofMap:
