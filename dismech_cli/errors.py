@@ -25,6 +25,12 @@ class MeshError(ScenarioError):
     """A mesh file or generator gives an unusable mesh (exit 2)."""
 
 
+class LawError(DismechError):
+    """A law of time has no value where a run needs it (exit 3)."""
+
+    exit_code = 3
+
+
 class OutputError(DismechError):
     """A result could not be written or read (exit 5)."""
 

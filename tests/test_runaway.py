@@ -61,3 +61,16 @@ def test_energy_from_nowhere_is_a_failure_that_says_so(tmp_path: Path) -> None:
 
 def test_a_sound_run_is_left_alone(tmp_path: Path) -> None:
     assert outcome(tmp_path, 1.0) == (End.DONE, "")
+
+
+def test_a_law_that_ends_in_the_middle_fails_the_run_and_keeps_its_frames(tmp_path: Path) -> None:
+    deck = tmp_path / "swing.yaml"
+    law = '{type: curvature_1, rod: beam, value: {expression: "sqrt(0.25 - t*s)"}}'
+    deck.write_text(f"{DECK}actuation: [{law}]\n")
+    memory = Memory()
+    result = run(build(dismech_cli.load(deck)).simulation, memory)
+    assert result.end is End.FAILED
+    assert "'sqrt(0.25 - t*s)' has no finite value at t = 0." in result.message
+    assert memory.events[-1][0] == "failed"
+    assert memory.frames[-1].t == memory.numbers["t"] == result.state.t
+    assert 0.25 < result.state.t < 0.4

@@ -9,7 +9,7 @@ from typing import Any, Literal, Protocol, TypeAlias
 import numpy as np
 
 from ..arrays import FloatArray
-from ..errors import ScenarioError
+from ..errors import LawError, ScenarioError
 from .expression import VARIABLES, Compiled, compile_expression
 from .waves import sawtooth
 
@@ -206,10 +206,10 @@ class Expression:
         """The value.
 
         Raises:
-            ScenarioError: if it is not finite there, such as ``log(t)`` at 0.
+            LawError: if it is not finite there, such as ``log(t)`` at 0.
         """
         with np.errstate(all="ignore"):
             value = _spread(self._compiled.program({"t": t, "s": s, **self.places}), s)
         if not np.all(np.isfinite(value)):
-            raise ScenarioError(f"the expression {self.text!r} has no finite value at t = {t:g} s")
+            raise LawError(f"the expression {self.text!r} has no finite value at t = {t:g} s")
         return value

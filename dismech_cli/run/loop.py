@@ -12,6 +12,7 @@ from typing import Protocol
 import numpy as np
 
 from ..arrays import FloatArray
+from ..errors import LawError
 from ..model.frames import FrameState
 from ..model.state import State
 from ..output.frame import Frame
@@ -174,33 +175,28 @@ def _advance(loop: _Loop, state: State, limits: Limits, stop: StopRequest) -> Ou
     t_end, saved = float(grid[-1]), time.monotonic()
     while not loop.clock.done(grid):
         now, target = state.t, loop.clock.target(grid)
-        tick = time.perf_counter()
-        state = _prepared(loop, state)
-        result = loop.stepper.step(state, target - now)
-        loop.seconds["solve"] += time.perf_counter() - tick
+        try:
+            result = _step(loop, state, target)
+        except LawError as error:
+            return _failed(loop, state, str(error))
+        state = result.state
         last.append((now, target, result))
         loop.counters.iterations += result.iterations
         loop.since_frame += result.iterations
         if result.status is not Status.CONVERGED:
             if loop.clock.level >= loop.simulation.max_cuts:
-                message = describe_failure(loop.simulation, last)
-                loop.sink.event("failed", now, message=message)
-                return _outcome(loop, state, End.FAILED, message)
+                return _failed(loop, state, describe_failure(loop.simulation, last))
             loop.clock = loop.clock.failed()
             loop.counters.cuts += 1
             loop.sink.event("step_cut", now, dt=target - now, status=result.status.name)
             continue
-        # the integrator adds dt, which may round
-        after = result.state if result.state.t == target else replace(result.state, t=target)
-        loop.account.advance(state, after)
-        state = after
         loop.clock = loop.clock.succeeded()
         loop.counters.steps += 1
         frame = _emit(loop, state, result, target - now)
         if frame is not None and loop.account.runs_away(frame.energies, t_end):
-            message = describe_runaway(loop.simulation, state.t, target - now, frame.energies)
-            loop.sink.event("failed", state.t, message=message)
-            return _outcome(loop, state, End.FAILED, message)
+            return _failed(
+                loop, state, describe_runaway(loop.simulation, state.t, target - now, frame.energies)
+            )
         loop.sink.progress(
             Progress(state.t, t_end, target - now, loop.counters.steps, loop.counters.iterations)
         )
@@ -211,6 +207,20 @@ def _advance(loop: _Loop, state: State, limits: Limits, stop: StopRequest) -> Ou
             saved = time.monotonic()
     _checkpoint(loop, state)
     return _outcome(loop, state, End.DONE, "")
+
+
+def _step(loop: _Loop, state: State, target: float) -> StepResult:
+    """Step to ``target`` and book what the step did; where it fails, the result holds its start."""
+    tick = time.perf_counter()
+    state = _prepared(loop, state)
+    result = loop.stepper.step(state, target - state.t)
+    loop.seconds["solve"] += time.perf_counter() - tick
+    if result.status is Status.CONVERGED:
+        # the integrator adds dt, which may round
+        after = result.state if result.state.t == target else replace(result.state, t=target)
+        loop.account.advance(state, after)
+        result = replace(result, state=after)
+    return result
 
 
 def _prepared(loop: _Loop, state: State) -> State:
@@ -234,6 +244,11 @@ def _why(loop: _Loop, limits: Limits, stop: StopRequest) -> str:
     return (
         "the wall-clock limit is reached" if loop.elapsed >= limits.wall else "the time asked for is reached"
     )
+
+
+def _failed(loop: _Loop, state: State, message: str) -> Outcome:
+    loop.sink.event("failed", state.t, message=message)
+    return _outcome(loop, state, End.FAILED, message)
 
 
 def _outcome(loop: _Loop, state: State, end: End, message: str) -> Outcome:
