@@ -235,28 +235,36 @@ def test_hinged_rods_hang_on_shells_as_before(made: Any) -> None:
     assert weld_stiffness(made(strip(6, 10, joint=JOINT | {"type": "hinge"}))) == 0.0
 
 
-def test_released_joints_of_rods(ran: Any) -> None:
-    """A rod of two halves, held at one end: it twists or bends at their joint, which the other passes."""
+@pytest.mark.parametrize("whole", [False, True], ids=["two halves", "within one"])
+def test_released_joints_of_rods(ran: Any, whole: bool) -> None:
+    """Held at one end, twisted or bent at the other, past a joint in the middle that passes that alone."""
     deck = strip(6, 10)
-    half = [{"shape": "line", "from": [x, 0, 0], "to": [x + 0.05, 0, 0], "nodes": 11} for x in (0.0, 0.05)]
     body = {key: value for key, value in deck["geometry"][0].items() if key != "generate"}
-    deck["geometry"] = [body | {"generate": half[0], "name": "a"}, body | {"generate": half[1], "name": "b"}]
-    deck["motions"] = [{"type": "clamp", "where": "a.start"}, {"type": "pin", "where": "b.end"}]
-    for release, load in (("bending", [1e-5, 0.0, 0.0]), ("twist", [0.0, -1e-5, 0.0])):
-        deck["joints"] = [{"type": "rigid", "nodes": ["a.end", "b.start"], "release": release}]
-        deck["forces"] = [{"type": "moment", "where": "b.end", "moment": load}]
-        turned = {"probe": {"twist": "b.end"}, "value": 0.0, "tolerance": 1.0, "source": "none"}
-        deck["expect"] = {"twist": turned}
-        if release == "twist":
-            deck["motions"].append({"type": "twist", "where": "b.end", "angle": 0.0})
-        result = ran(deck)
-        if release == "bending":
-            angle = result.outcome.watched["twist"][-1]
-            assert_allclose(angle, 1e-5 * (LENGTH - 0.0025) / TORSION, rtol=1e-9)
-        else:
-            # clamped and pinned, moment at the pin; second order in the edge
-            middle = moved(result, [0.05, 0.0, 0.0])[2]
-            assert_allclose(middle, -1e-5 * LENGTH**2 / 32.0 / BENDING_1, rtol=0.02)
+
+    def line(name: str, start: float, end: float, nodes: int) -> Deck:
+        shape = {"shape": "line", "from": [start, 0, 0], "to": [end, 0, 0], "nodes": nodes}
+        return body | {"name": name, "generate": shape}
+
+    halves = [line("a", 0.0, 0.05, 11), line("b", 0.05, LENGTH, 11)]
+    deck["geometry"] = [line("a", 0.0, LENGTH, 21)] if whole else halves
+    end = "a.end" if whole else "b.end"
+    within = {"type": "hinge", "where": {"nodes": {"of": "a", "indices": [10]}}}
+    joint = within if whole else {"type": "rigid", "nodes": ["a.end", "b.start"]}
+    deck["motions"] = [{"type": "clamp", "where": "a.start"}, {"type": "pin", "where": end}]
+    turned = {"probe": {"twist": end}, "value": 0.0, "tolerance": 1.0, "source": "none"}
+    deck["expect"] = {"twist": turned}
+
+    deck["joints"] = [joint | {"release": "bending"}]
+    deck["forces"] = [{"type": "moment", "where": end, "moment": [1e-5, 0.0, 0.0]}]
+    angle = ran(deck).outcome.watched["twist"][-1]
+    assert_allclose(angle, 1e-5 * (LENGTH - 0.0025) / TORSION, rtol=1e-9)
+
+    deck["joints"] = [joint | {"release": "twist"}]
+    deck["forces"] = [{"type": "moment", "where": end, "moment": [0.0, -1e-5, 0.0]}]
+    deck["motions"].append({"type": "twist", "where": end, "angle": 0.0})
+    # clamped and pinned, moment at the pin; second order in the edge
+    middle = moved(ran(deck), [0.05, 0.0, 0.0])[2]
+    assert_allclose(middle, -1e-5 * LENGTH**2 / 32.0 / BENDING_1, rtol=0.02)
 
 
 @pytest.mark.parametrize(

@@ -208,6 +208,10 @@ def test_single_faults(folder: Folder, old: str, new: str, message: str) -> None
             "actuation: [{type: twist, rod: beam, value: 3 N}]",
             "expected a twist per length such as '1 rad/m', got a",
         ),
+        (
+            "joints: [{type: hinge, nodes: [beam.start, beam.end], release: twist}]",
+            "joints[0]: 'release' has a meaning with 'where'; two nodes take type: rigid with it",
+        ),
         ("joints: [{type: hinge}]", "joints[0]: expected exactly one of 'nodes', 'where'; got none"),
         (
             "initial_velocity: [{where: beam, velocity: [1 m, 0, 0]}]",

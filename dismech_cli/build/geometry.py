@@ -60,6 +60,7 @@ class Geometry:
         parted: Node and rod where none passes between the rod's own edges, shape (P, 2): both turn with a
             shell there.
         released: Nodes where ``bending`` or ``twist`` alone does not pass between different rods.
+        loosened: Nodes where one of them alone does not pass between any edges.
         shell_welds: Edges of rods that turn with a shell.
         files: File of each body's mesh, or None, and its nodes' numbers there.
         notes: What the mesh readers said.
@@ -84,6 +85,7 @@ class Geometry:
     rod_hinges: IntArray
     parted: IntArray
     released: Mapping[str, IntArray]
+    loosened: Mapping[str, IntArray]
     shell_welds: tuple[ShellWeld, ...]
     files: Mapping[str, tuple[Path, IntArray]]
     notes: tuple[str, ...]
@@ -177,6 +179,7 @@ def assemble_geometry(loaded: LoadedScenario) -> Geometry:
         rod_hinges=empty,
         parted=np.empty((0, 2), dtype=np.int64),
         released={},
+        loosened={},
         shell_welds=(),
         files=files,
         notes=tuple(notes),

@@ -152,8 +152,9 @@ def _in_series(geometry: Geometry, skeleton: Skeleton, name: str) -> FloatArray:
     same = k[:, 0] == k[:, 1]
     half = 0.5 * skeleton.rest_lengths[j.pairs]
     series = half.sum(axis=1) / (half / k).sum(axis=1)
-    released = geometry.released["twist" if name == "torsional" else "bending"]
-    loose = (j.rod < 0) & np.isin(j.triples[:, 1], released)
+    what = "twist" if name == "torsional" else "bending"
+    loose = (j.rod < 0) & np.isin(j.triples[:, 1], geometry.released[what])
+    loose |= np.isin(j.triples[:, 1], geometry.loosened[what])
     return np.where(loose, 0.0, np.where(same, k[:, 0], series))
 
 

@@ -31,6 +31,7 @@ def weld_joints(loaded: LoadedScenario, geometry: Geometry) -> Geometry:
     hinges: list[int] = []
     rod_hinges: list[int] = []
     released: dict[str, list[int]] = {"bending": [], "twist": []}
+    loosened: dict[str, list[int]] = {"bending": [], "twist": []}
     welds: list[ShellWeld] = []
     welded: list[tuple[int, int]] = []
     shared = _shared_by_file(geometry)
@@ -41,7 +42,8 @@ def weld_joints(loaded: LoadedScenario, geometry: Geometry) -> Geometry:
     for index, joint in enumerate(loaded.scenario.joints):
         path = ("joints", index)
         if isinstance(joint, HingeJoint) and joint.where is not None:
-            hinges.append(select_single_node(loaded, geometry, joint.where, (*path, "where")))
+            node = select_single_node(loaded, geometry, joint.where, (*path, "where"))
+            (hinges if joint.release is None else loosened[joint.release]).append(node)
             continue
         assert joint.nodes is not None
         a, b = _pair(loaded, geometry, joint.nodes, near, (*path, "nodes"))
@@ -85,7 +87,8 @@ def weld_joints(loaded: LoadedScenario, geometry: Geometry) -> Geometry:
         hinges=index_of[np.array(hinges, dtype=np.int64)],
         rod_hinges=index_of[np.array(rod_hinges, dtype=np.int64)],
         parted=np.array([(index_of[w.node], geometry.edge_rod[w.edge]) for w in welds]).reshape(-1, 2),
-        released={what: index_of[np.array(nodes, dtype=np.int64)] for what, nodes in released.items()},
+        released=moved({what: np.array(nodes, dtype=np.int64) for what, nodes in released.items()}),
+        loosened=moved({what: np.array(nodes, dtype=np.int64) for what, nodes in loosened.items()}),
         shell_welds=tuple(replace(weld, node=int(index_of[weld.node])) for weld in welds),
     )
 

@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 
 from .quantity import PositiveLength
 from .selection import Selection, SelectionPair
-from .spec import Spec, exactly_one
+from .spec import Spec, exactly_one, problem
 
 
 class RigidJoint(Spec):
@@ -30,7 +30,7 @@ class RigidJoint(Spec):
 
 
 class HingeJoint(Spec):
-    """Joins two coinciding nodes, or releases one: no bending or twist passes.
+    """Joins two coinciding nodes, or releases one: no bending or twist passes, or one of them alone.
 
     Nodes that a shell and another body take from one mesh file are joined so without being asked.
     """
@@ -38,10 +38,15 @@ class HingeJoint(Spec):
     type: Literal["hinge"] = Field(description="Kind of joint.")
     nodes: SelectionPair | None = Field(default=None, description="The two nodes; this or `where`.")
     where: Selection | None = Field(default=None, description="A node within a rod; this or `nodes`.")
+    release: Literal["bending", "twist"] | None = Field(
+        default=None, description="What alone does not pass at `where`; default: neither does."
+    )
 
     @model_validator(mode="after")
     def _one(self) -> HingeJoint:
         exactly_one(self, "nodes", "where")
+        if self.nodes is not None and self.release is not None:
+            raise problem("'release' has a meaning with 'where'; two nodes take type: rigid with it")
         return self
 
 
