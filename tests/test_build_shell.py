@@ -225,6 +225,22 @@ def test_bodies_of_one_file_share_their_nodes(made: Any, tmp_path: Path, order: 
     assert len(term(built.simulation.model, "bending").dofs) == 1
 
 
+def test_files_in_other_units_are_scaled(made: Any, tmp_path: Path) -> None:
+    """A body at another scale shares only the nodes that are where the other has them."""
+    (tmp_path / "mixed.txt").write_text(MIXED, encoding="utf-8")
+    sheet = {"type": "shell", "name": "sheet", "material": "rubber", "thickness": 2e-3}
+    rod = {"type": "rod", "name": "rod", "material": "rubber", "radius": 2e-3}
+    small, large = ({"mesh": {"file": "mixed.txt", "scale": scale}} for scale in (0.001, 1.0))
+    geometry = made(shell_deck() | {"geometry": [sheet | small, rod | small]}).geometry
+    assert_allclose(np.ptp(geometry.nodes, axis=0), [1e-3, 0.8660254e-3, 2e-3], rtol=1e-12)
+    assert len(geometry.nodes) == 5
+    apart = made(shell_deck() | {"geometry": [sheet | small, rod | large]}).geometry
+    assert len(apart.nodes) == 5  # the origin is common to both
+    (tmp_path / "mixed.txt").write_text(MIXED.replace("0, 0, 0\n", "0.1, 0, 0\n"), encoding="utf-8")
+    apart = made(shell_deck() | {"geometry": [sheet | small, rod | large]}).geometry
+    assert len(apart.nodes) == 6
+
+
 FOLD = SHEET | {"length": 0.2, "width": 0.1, "divisions": 2, "pattern": "right"}
 
 

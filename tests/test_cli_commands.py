@@ -22,6 +22,7 @@ def test_check_shows_plan_and_cost_and_writes_nothing(call, swing):
     assert done.code == 0, done.stderr
     for text in (
         "swing.yaml: ok",
+        "  beam: 10 edges, 0.1 x 0 x 0 m, 0.000377 kg",
         "planar",
         "because: dimension 2",
         "20 free of 24 DOFs",

@@ -32,7 +32,7 @@ class BodyMesh:
     numbers: IntArray = field(default_factory=_no_numbers)
 
 
-def part_of_file(mesh: Mesh, path: Path, edges: IntArray, triangles: IntArray) -> BodyMesh:
+def part_of_file(mesh: Mesh, path: Path, scale: float, edges: IntArray, triangles: IntArray) -> BodyMesh:
     """Some edges and triangles of a file, with the nodes that they use.
 
     Groups of nodes, edges and triangles are kept as far as they lie within; a group of triangles is
@@ -41,6 +41,7 @@ def part_of_file(mesh: Mesh, path: Path, edges: IntArray, triangles: IntArray) -
     Args:
         mesh: All that the file holds.
         path: The file.
+        scale: Metres per unit of length in the file.
         edges: Indices of the wanted edges.
         triangles: Indices of the wanted triangles.
     """
@@ -52,7 +53,7 @@ def part_of_file(mesh: Mesh, path: Path, edges: IntArray, triangles: IntArray) -
         if len(triangles):
             node_groups.setdefault(name, place[np.unique(mesh.triangles[group])])
     part = Mesh(
-        nodes=mesh.nodes[used],
+        nodes=scale * mesh.nodes[used],
         edges=place[mesh.edges[edges]],
         triangles=place[mesh.triangles[triangles]],
         node_groups={name: group[group >= 0] for name, group in node_groups.items() if (group >= 0).any()},

@@ -59,7 +59,7 @@ def _read(source: MeshFile, directory: Path) -> BodyMesh:
         raise MeshError(f"{source.file} has no lines; a rod needs some")
     chosen = np.arange(len(mesh.edges)) if source.group is None else mesh.edge_groups[source.group]
     none = np.empty(0, dtype=np.int64)
-    part = part_of_file(mesh, path, chosen, none)
+    part = part_of_file(mesh, path, source.scale, chosen, none)
     return BodyMesh(validate(part.mesh, source.file), part.file, part.numbers)
 
 

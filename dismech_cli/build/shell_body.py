@@ -79,7 +79,7 @@ def _read(source: SurfaceFile, directory: Path) -> BodyMesh:
     if len(mesh.triangles) == 0:
         raise MeshError(f"{source.file} has no triangles; a shell needs some")
     chosen = np.arange(len(mesh.triangles)) if source.group is None else mesh.triangle_groups[source.group]
-    return part_of_file(mesh, path, np.empty(0, dtype=np.int64), chosen)
+    return part_of_file(mesh, path, source.scale, np.empty(0, dtype=np.int64), chosen)
 
 
 def _generated(shell: Shell) -> Mesh:

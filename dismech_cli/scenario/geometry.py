@@ -19,6 +19,10 @@ Curvatures: TypeAlias = Annotated[tuple[Curvature, ...], Len(1, 10_000_000), Str
 TwistRates: TypeAlias = Annotated[tuple[TwistRate, ...], Len(1, 10_000_000), Strict(False)]
 
 
+Scale: TypeAlias = Annotated[float, Quantity("ratio", gt=0)]
+_SCALE = Field(default=1.0, description="Length of the file's unit in metres, such as 0.001 for millimetres.")
+
+
 class MeshFile(Spec):
     """A centreline read from a mesh file."""
 
@@ -26,6 +30,7 @@ class MeshFile(Spec):
     group: str | None = Field(
         default=None, min_length=1, description="Physical group of its lines; default: all lines."
     )
+    scale: Scale = _SCALE
 
 
 class NaturalStrain(Spec):
@@ -84,6 +89,7 @@ class SurfaceFile(Spec):
     group: str | None = Field(
         default=None, min_length=1, description="Physical group of its triangles; default: all triangles."
     )
+    scale: Scale = _SCALE
 
 
 class NaturalShape(Spec):

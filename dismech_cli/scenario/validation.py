@@ -12,7 +12,7 @@ from pydantic_core import ErrorDetails
 from .document import KeyPath, Mark, Node, describe
 from .problems import Problem, ProblemsError
 from .schema import SCHEMA_VERSION, Scenario
-from .suggest import did_you_mean, hint
+from .suggest import did_you_mean, hint, listed
 
 _TAG_KEYS: Final = ("type", "shape")
 _BOUNDS: Final = {
@@ -150,7 +150,8 @@ def _message(detail: ErrorDetails, data: Any, path: KeyPath) -> str:
     if kind == "missing":
         return "missing key"
     if kind == "extra_forbidden":
-        return f"unknown key{hint(str(path[-1]), _keys(data, path[:-1]))}"
+        known = _keys(data, path[:-1])
+        return f"unknown key{hint(str(path[-1]), known) or '; known: ' + listed(known, 'and')}"
     if kind == "literal_error":
         return f"expected {context['expected']}, got {describe(given)}{_hint(given, context['expected'])}"
     if kind == "union_tag_invalid":
