@@ -4,7 +4,13 @@ from __future__ import annotations
 
 from ..model.driven import Drive, DrivenEnergy
 from ..model.stencil import StencilEnergy
-from ..scenario.actuation import DihedralActuation, SurfaceCurvatureActuation
+from ..scenario.actuation import (
+    CurvatureActuation,
+    DihedralActuation,
+    StretchActuation,
+    SurfaceCurvatureActuation,
+    TwistActuation,
+)
 from ..scenario.load import LoadedScenario
 from .curvature_actuation import curvature_drives
 from .geometry import Geometry
@@ -31,7 +37,7 @@ def build_shell_elastic(
                 drives[name] += hinge_drives(loaded, geometry, named[name], topology, index, actuation, laws)
             case SurfaceCurvatureActuation(shell=name):
                 drives[name] += curvature_drives(loaded, geometry, named[name], index, actuation, laws)
-            case _:  # of a rod
+            case StretchActuation() | CurvatureActuation() | TwistActuation():  # of a rod
                 continue
     bending = (
         DrivenEnergy(energy, tuple(drives[name])) if drives[name] else energy

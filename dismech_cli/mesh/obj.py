@@ -119,6 +119,8 @@ def _parse_line(parsed: _Parsed, keyword: str, tokens: list[str], number: int, p
             parsed.material = (" ".join(tokens),) if tokens else ()
         case _ if keyword not in _APPEARANCE:
             raise MeshError(f"{place}: keyword {keyword[:40]!r}; expected v, vt, vn, f, l, p, g, o or usemtl")
+        case _:
+            pass
 
 
 def _node_indices(tokens: list[str], known: int, place: str) -> list[int]:

@@ -109,5 +109,5 @@ def quantity_of(probe: Probe) -> str:
             return "angle"
         case StabilityProbe():
             return "ratio"
-        case _:
+        case DisplacementProbe() | PositionProbe() | DistanceProbe() | MeanPositionProbe():
             return "length"

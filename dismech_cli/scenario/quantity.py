@@ -87,6 +87,8 @@ def to_si(value: object, kind: Kind) -> float:
                 return parse_quantity(value, kind)
             except QuantityError as error:
                 raise problem(str(error)) from None
+        case _:
+            pass
     raise problem(f"expected {kind.phrase}, got {describe(value)}")
 
 

@@ -29,6 +29,8 @@ def walk(value: Any, path: KeyPath = ()) -> Iterator[tuple[KeyPath, Any]]:
         case tuple():
             for i, child in enumerate(value):
                 yield from walk(child, (*path, i))
+        case _:
+            pass
 
 
 @dataclass(frozen=True, slots=True)
