@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
-from shell_decks import BELL, MIXED, SHEET, Deck, made, refused, shell_deck, write
+from shell_decks import BELL, EULER, MIXED, SHEET, STATIC, Deck, made, refused, shell_deck, write
 
 from dismech_cli import load
 from dismech_cli.build.doubts import unevenness
@@ -174,3 +174,19 @@ def test_refused_bodies(refused: Any, tmp_path: Path, body: Deck, message: str) 
 def test_stout_shells_are_doubtful(write: Any) -> None:
     (warning,) = load(write(shell_deck(body={"thickness": 0.05}))).warnings
     assert "geometry[0].thickness: thickness 0.05 m on a size of 0.2 m: too stout for a shell" in warning
+
+
+def test_what_needs_motion_does_nothing_at_rest(write: Any) -> None:
+    """Thrust as well as damping: neither has anything to push in a static run."""
+    forces = [
+        {"type": "thrust", "shell": "sheet", "coefficient": 1.0, "direction": [0, 0, 1]},
+        {"type": "pressure", "shell": "sheet", "pressure": 1.0},
+        {"type": "area_damping", "coefficient": 1.0},
+    ]
+    deck = shell_deck(forces=forces, numerics=STATIC)
+    warnings = load(write(deck)).warnings
+    assert [warning.partition(": ")[2] for warning in warnings] == [
+        "forces[0].type: thrust depends on velocity: it does nothing in a static run",
+        "forces[2].type: area_damping depends on velocity: it does nothing in a static run",
+    ]
+    assert load(write(deck | {"numerics": EULER})).warnings == ()

@@ -19,6 +19,7 @@ from ..scenario.load import LoadedScenario
 from ..scenario.motion import VelocityFile
 from ..scenario.numerics import Static
 from .fields import Scene, build_fields, build_topology
+from .force_setting import Setting
 from .forces import build_forces
 from .geometry import Geometry, assemble_geometry
 from .holds import resolve_holds
@@ -87,7 +88,7 @@ def build(
         *build_shell_elastic(loaded, geometry, free, shells, laws),
     )
     payload = point_masses(loaded, geometry, dofs.n_nodes)
-    forces = build_forces(loaded, geometry, free, dofs, payload, laws)
+    forces = build_forces(Setting(loaded, geometry, free, dofs, payload, laws))
     sides = [edge_lengths(geometry.nodes, topology.edges) for topology in free.topologies.values()]
     model = Model(
         dofs=dofs,

@@ -16,7 +16,6 @@ from ..arrays import BoolArray, IntArray
 from ..mesh.topology import ChainKind, chains, rod_stencils
 from ..model.strains import curvature_binormal
 from ..scenario.actuation import CurvatureActuation, TwistActuation
-from ..scenario.force import Moment
 from ..scenario.load import LoadedScenario
 from ..scenario.motion import Twist
 from ..scenario.numerics import Static
@@ -31,10 +30,6 @@ _STRAIGHT = 1e-9
 _COMPILE_WORTH = 2_000_000
 # A triangle bends at a hinge and a half and stretches: worth this many rod edges.
 _TRIANGLE = 3.0
-
-VELOCITY_DEPENDENT = frozenset(
-    ("viscous", "resistive", "aerodynamic", "hydrodynamic", "area_damping", "thrust")
-)
 
 
 class Bending(Enum):
@@ -110,7 +105,7 @@ def make_plan(
     static = isinstance(scenario.numerics.integrator, Static)
     if static:
         decisions.append(Decision("no inertia", "static: mass enters the weight only"))
-    if not any(f.type in VELOCITY_DEPENDENT for f in scenario.forces):
+    if not any(force.velocity_dependent for force in scenario.forces):
         decisions.append(Decision("no damping matrix", "no force depends on velocity"))
     kernels, why = (kernels, "as in the resumed run") if kernels else _kernels(loaded, geometry)
     decisions.append(Decision(f"kernels by {kernels}", why))
@@ -172,7 +167,7 @@ def _needs_frames(loaded: LoadedScenario, geometry: Geometry, holds: tuple[Hold,
         return "a rest shape is curved"
     if any(chain.kind is not ChainKind.OPEN for chain in chains(len(geometry.nodes), geometry.edges)):
         return "a rod is closed or branches"
-    if any(isinstance(force, Moment) for force in scenario.forces):
+    if any(force.turns_rods for force in scenario.forces):
         return "a moment acts"
     if any(isinstance(motion, Twist) for motion in scenario.motions) or any(twists(hold) for hold in holds):
         return "a motion turns an edge about the rod"

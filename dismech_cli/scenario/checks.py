@@ -10,18 +10,7 @@ import numpy as np
 from ..model.expression import VARIABLES, compile_expression
 from .actuation import ShellActuation
 from .document import KeyPath
-from .force import (
-    Aerodynamic,
-    AreaDamping,
-    Buoyancy,
-    Distributed,
-    Gravity,
-    Hydrodynamic,
-    Pressure,
-    Resistive,
-    Thrust,
-    Viscous,
-)
+from .force import Buoyancy, Gravity
 from .geometry import Body, Shell
 from .law import PLACES, ExpressionLaw
 from .motion import Clamp, Twist
@@ -113,12 +102,9 @@ def _group(group: str, bodies: dict[str, Body], kind: str) -> str | None:
 def _rod_names(scenario: Scenario) -> Iterator[Finding]:
     rods = [rod.name for rod in scenario.rods.values()]
     bodies = [body.name for body in scenario.geometry]
-    named: list[Finding] = []
-    for i, force in enumerate(scenario.forces):
-        if isinstance(force, Distributed | Viscous | Resistive):
-            named += [(("forces", i, "rods", k), name) for k, name in enumerate(force.rods or ())]
-            if force.rods is None and not rods:
-                yield ("forces", i, "type"), "acts on rods, but the scene has none"
+    named = list(_loaded(scenario, "rods"))
+    if not rods:
+        yield from _vain(scenario, "rods")
     for i, part in enumerate(scenario.actuation):
         if isinstance(part, ShellActuation):
             continue
@@ -137,20 +123,31 @@ def _rod_names(scenario: Scenario) -> Iterator[Finding]:
 
 def _shell_names(scenario: Scenario) -> Iterator[Finding]:
     shells = [shell.name for shell in scenario.shells.values()]
-    named: list[Finding] = []
-    for i, force in enumerate(scenario.forces):
-        if isinstance(force, Aerodynamic | Hydrodynamic | AreaDamping):
-            named += [(("forces", i, "shells", k), name) for k, name in enumerate(force.shells or ())]
-            if force.shells is None and not shells:
-                yield ("forces", i, "type"), "acts on shells, but the scene has none"
-        if isinstance(force, Pressure | Thrust):
-            named.append((("forces", i, "shell"), force.shell))
+    named = [*_loaded(scenario, "shells"), *_loaded(scenario, "shell")]
+    if not shells:
+        yield from _vain(scenario, "shells")
     for i, part in enumerate(scenario.actuation):
         if isinstance(part, ShellActuation):
             named.append((("actuation", i, "shell"), part.shell))
     for path, name in named:
         if name not in shells:
             yield path, f"no shell is named {name!r}{hint(name, shells)}"
+
+
+def _loaded(scenario: Scenario, key: str) -> Iterator[Finding]:
+    """Bodies that forces name under a key, with their places."""
+    for i, force in enumerate(scenario.forces):
+        if force.acts_on == key:
+            for path, value in walk(getattr(force, key), ("forces", i, key)):
+                if isinstance(value, str):
+                    yield path, value
+
+
+def _vain(scenario: Scenario, key: str) -> Iterator[Finding]:
+    """Forces on all bodies of a kind that the scene lacks."""
+    for i, force in enumerate(scenario.forces):
+        if force.acts_on == key and getattr(force, key) is None:
+            yield ("forces", i, "type"), f"acts on {key}, but the scene has none"
 
 
 def _dimension(scenario: Scenario) -> Iterator[Finding]:

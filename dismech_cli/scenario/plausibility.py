@@ -7,12 +7,12 @@ from collections.abc import Iterator
 from itertools import pairwise
 
 from .checks import Finding
-from .force import Aerodynamic, AreaDamping, Gravity, Hydrodynamic, Resistive, Viscous
+from .force import Gravity
 from .geometry import Rod, Shell
 from .numerics import Static
 from .schema import Scenario
 from .section import GivenSection, RectangularSection, RoundSection, TubeSection
-from .shape import Arc, Helix, Line, Polyline
+from .shape import Arc, CsvCurve, Helix, Line, Polyline
 from .surface import (
     AnnulusSurface,
     CylinderSurface,
@@ -42,9 +42,9 @@ def doubts(scenario: Scenario) -> Iterator[Finding]:
                     ("forces", i, "acceleration"),
                     f"gravity of {size:g} m/s^2 is stronger than that of the sun",
                 )
-        drag = isinstance(force, Viscous | Resistive | Aerodynamic | Hydrodynamic | AreaDamping)
-        if drag and isinstance(scenario.numerics.integrator, Static):
-            yield ("forces", i, "type"), "drag does nothing in a static run"
+        if force.velocity_dependent and isinstance(scenario.numerics.integrator, Static):
+            message = f"{force.type} depends on velocity: it does nothing in a static run"
+            yield ("forces", i, "type"), message
 
 
 def _materials(scenario: Scenario) -> Iterator[Finding]:
@@ -96,9 +96,9 @@ def _size(shell: Shell) -> float | None:
             return outer - inner
         case CylinderSurface(length=length, radius=radius, angle=angle):
             return min(length, radius * angle)
-        case SphereSurface(radius=radius, polar=(first, last), angle=angle):
-            return radius * min(last - first, angle)
-        case _:
+        case SphereSurface(radius=radius, polar=polar, angle=angle):
+            return radius * min(polar[1] - polar[0], angle)
+        case None:
             return None
 
 
@@ -123,5 +123,5 @@ def _length(rod: Rod) -> float | None:
             return turns * math.hypot(2 * math.pi * radius, pitch)
         case Polyline(points=points):
             return sum(math.dist(a, b) for a, b in pairwise(points))
-        case _:
+        case CsvCurve() | None:
             return None
