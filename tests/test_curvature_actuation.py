@@ -72,7 +72,7 @@ def test_a_free_sheet_takes_its_curvature_without_energy(ran: Any, bending: str)
 @pytest.mark.parametrize(
     ("keys", "bending", "message"),
     [
-        ({}, "hinge", "actuation[0].shell: 'sheet' bends at hinges, which know no curvature"),
+        ({}, "hinge", "actuation[0].shell: bending 'hinge' of 'sheet' knows no curvature"),
         ({"along": [0.0, 0.0, 2.0]}, "midedge", "actuation[0].along: stands normal to a triangle of shell"),
         ({"where": "sheet.left"}, "midedge", "actuation[0].where: holds no whole triangle of shell 'sheet'"),
         ({"shell": "shet"}, "midedge", "actuation[0].shell: no shell is named 'shet'; did you mean"),

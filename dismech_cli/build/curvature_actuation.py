@@ -15,9 +15,8 @@ from ..scenario.load import LoadedScenario
 from .geometry import Geometry
 from .laws import ToLaw
 from .selection import select_nodes
+from .shell_bending import bending_of
 
-# Angles that count in the parameters of each bending energy, per angle from face normal to edge normal.
-_ANGLES = {"midedge": 1.0, "averaged": 2.0}
 # A direction this close to the normal, by its sine, lies in no triangle.
 _UPRIGHT = 1e-6
 
@@ -33,13 +32,15 @@ def curvature_drives(
     """Drives of the natural angles at the sides of triangles: linear in the curvature.
 
     Raises:
-        ScenarioError: The shell has hinges, no triangle is driven, or ``along`` stands on one.
+        ScenarioError: The shell knows no curvature, no triangle is driven, or ``along`` stands on one.
     """
     path = ("actuation", index)
-    if shell.bending not in _ANGLES:
+    factor = bending_of(shell).curvature_factor
+    if factor is None:
         raise loaded.error(
             (*path, "shell"),
-            f"'{shell.name}' bends at hinges, which know no curvature; take 'dihedral', or bending: midedge",
+            f"bending '{shell.bending}' of '{shell.name}' knows no curvature; take 'dihedral', or bending: "
+            "midedge",
         )
     triangles = geometry.triangles[geometry.triangles_of(shell.name)]
     stencils = np.arange(len(triangles))
@@ -59,7 +60,7 @@ def curvature_drives(
             continue
         tensor = direction[:, :, None] * direction[:, None, :]
         # the shape operator is positive where normals diverge: on the other side
-        angles = -_ANGLES[shell.bending] * angles_of_curvature(geometry.nodes, driven, tensor)
+        angles = -factor * angles_of_curvature(geometry.nodes, driven, tensor)
         for row, factors in enumerate(angles):
             yield Drive(row, stencils, laws(value, places), np.zeros(len(stencils)), factors)
 

@@ -9,6 +9,7 @@ import numpy as np
 from ..arrays import FloatArray, IntArray
 from ..scenario.load import LoadedScenario
 from .geometry import Geometry
+from .shell_bending import bending_of
 
 # 0 on equilateral nets, whatever their rims; 8 on unstructured ones, 10 on discs, 21 on right angles.
 _UNEVEN = 6.0
@@ -17,7 +18,7 @@ _UNEVEN = 6.0
 def mesh_doubts(loaded: LoadedScenario, geometry: Geometry) -> Iterator[str]:
     """Warnings, each with its place in the scenario."""
     for key, shell in zip(geometry.shell_keys, geometry.shells, strict=True):
-        if shell.bending == "midedge":
+        if bending_of(shell).converges:
             continue
         off = unevenness(geometry.nodes, geometry.triangles[geometry.triangles_of(shell.name)])
         if off > _UNEVEN:

@@ -15,6 +15,7 @@ from ..scenario.load import LoadedScenario
 from .geometry import Geometry
 from .laws import ToLaw
 from .selection import select_nodes
+from .shell_bending import bending_of
 
 
 def hinge_drives(
@@ -78,27 +79,24 @@ def _drives(
     actuation: DihedralActuation,
     laws: ToLaw,
 ) -> Iterator[Drive]:
-    """Drives by kind of bending.
-
-    An energy of faces meets each hinge at two faces, as one of their three sides; its angles count
-    from the face and so have the other sign, and that of a mid-edge normal is half of it.
-    """
+    """Drives of the natural angles; an energy of faces meets each hinge at two, as one of their sides."""
+    bending = bending_of(shell)
     place = np.arange(len(hinges)) / max(len(hinges) - 1, 1)
     x, y, z = geometry.nodes[topology.hinges[hinges, :2]].mean(axis=1).T
 
-    def drive(row: int, stencils: IntArray, members: IntArray, factor: float) -> Drive:
+    def drive(row: int, stencils: IntArray, members: IntArray) -> Drive:
         at = {"x": x[members], "y": y[members], "z": z[members], "r": np.hypot(x, y)[members]}
         law = laws(actuation.value, at)
-        return Drive(row, stencils, law, place[members], np.full(len(members), factor))
+        factors = np.full(len(members), bending.dihedral_factor)
+        return Drive(row, stencils, law, place[members], factors)
 
-    if shell.bending == "hinge":
-        yield drive(0, hinges, np.arange(len(hinges)), 1.0)
+    if bending.at_hinges:
+        yield drive(0, hinges, np.arange(len(hinges)))
         return
-    factor = -0.5 if shell.bending == "midedge" else -1.0
     faces = topology.hinge_faces[hinges].reshape(-1)
     members = np.repeat(np.arange(len(hinges)), 2)
     sides = topology.face_edges[faces] == np.repeat(topology.hinge_edges[hinges], 2)[:, None]
     for row in range(3):
         mine = sides[:, row]
         if mine.any():
-            yield drive(row, faces[mine], members[mine], factor)
+            yield drive(row, faces[mine], members[mine])

@@ -14,6 +14,7 @@ from ..scenario.motion import Clamp, Pin, Symmetry, Twist
 from .geometry import Geometry
 from .laws import ToLaw, components, vanishes
 from .selection import select_edges, select_nodes
+from .shell_bending import bending_of
 
 ZERO = Constant(0.0)
 AXES = "xyz"
@@ -130,7 +131,7 @@ def _mirror_axis(
         raise loaded.error(
             path, f"selects nodes up to {depth:.3g} m apart in {motion.normal}; a plane of symmetry is flat"
         )
-    fit = [k for k, shell in enumerate(geometry.shells) if shell.bending == "midedge"]
+    fit = [k for k, shell in enumerate(geometry.shells) if bending_of(shell).free_normals]
     others = geometry.triangles[~np.isin(geometry.triangle_shell, fit)]
     if np.isin(nodes, others).any():
         raise loaded.error(

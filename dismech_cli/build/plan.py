@@ -23,6 +23,7 @@ from ..scenario.probe import TwistProbe
 from .doubts import mesh_doubts
 from .geometry import Geometry
 from .holds import Hold, twists
+from .shell_bending import bending_of
 
 # A rest shape counts as straight below this integrated curvature; mesh files carry 1e-10.
 _STRAIGHT = 1e-9
@@ -144,7 +145,7 @@ def _bending(loaded: LoadedScenario, geometry: Geometry, holds: tuple[Hold, ...]
 def _shells(geometry: Geometry) -> Iterator[Decision]:
     for shell in geometry.shells:
         count = len(geometry.triangles_of(shell.name))
-        if shell.bending == "midedge":
+        if bending_of(shell).free_normals:
             what = f"mid-edge normals on shell '{shell.name}': one angle per edge of {count} triangles"
             why = "asked for, or by default: converges on every mesh"
         else:

@@ -10,6 +10,7 @@ import numpy as np
 from ..arrays import IntArray
 from ..mesh.topology_shell import ShellTopology, shell_edges
 from .geometry import Geometry
+from .shell_bending import bending_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,7 +33,7 @@ class ShellEdges:
 
 
 def find_shell_edges(geometry: Geometry) -> ShellEdges:
-    """Find the edges of each shell; those of the shells with mid-edge bending are numbered on."""
+    """Find the edges of each shell; those of the shells with free normals are numbered on."""
     topologies: dict[str, ShellTopology] = {}
     first: dict[str, int] = {}
     edges, faces, triangles = ([np.empty((0, k), dtype=np.int64)] for k in (2, 2, 3))
@@ -40,7 +41,7 @@ def find_shell_edges(geometry: Geometry) -> ShellEdges:
     for shell in geometry.shells:
         own = geometry.triangles[geometry.triangles_of(shell.name)]
         topology = topologies[shell.name] = shell_edges(own)
-        if shell.bending != "midedge":
+        if not bending_of(shell).free_normals:
             continue
         first[shell.name] = n_edges
         edges.append(topology.edges)

@@ -5,33 +5,17 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from ..arrays import FloatArray, IntArray
-from ..energies.hinge import hinge_term
-from ..energies.membrane import membrane_term
-from ..energies.membrane_springs import spring_term
-from ..energies.midedge import midedge_term
-from ..energies.midedge_averaged import midedge_averaged_term
-from ..mesh.topology_shell import ShellTopology
-from ..model.dofs import DofMap
+from ..arrays import FloatArray
 from ..model.driver import Driver
 from ..model.frames import Frames
-from ..model.shell import (
-    adjacent_areas,
-    area_springs,
-    edge_lengths,
-    hinge_springs,
-    hinge_stiffness,
-    midedge_springs,
-    triangle_areas,
-    weighted_hinge_stiffness,
-)
 from ..model.shell_frames import ShellFrames
 from ..model.stencil import StencilEnergy
-from ..scenario.geometry import Shell
 from .geometry import Geometry
 from .numbering import Numbering
-from .shell_body import ShellProperties
+from .shell_bending import bending_of
 from .shell_edges import ShellEdges
+from .shell_membrane import MEMBRANES
+from .shell_parts import ShellParts
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,96 +63,20 @@ def build_shells(
     membrane: dict[str, StencilEnergy] = {}
     bending: dict[str, StencilEnergy] = {}
     for shell, sheet in zip(geometry.shells, geometry.sheets, strict=True):
-        own = _Parts(
+        parts = ShellParts(
             shell,
             sheet,
             positions,
             geometry.triangles[geometry.triangles_of(shell.name)],
             free.topologies[shell.name],
             dofs,
+            normals,
+            free.first.get(shell.name, 0),
         )
-        membrane[shell.name] = own.membrane()
-        bent = own.bending(normals, free.first.get(shell.name, 0))
+        membrane[shell.name] = MEMBRANES[shell.membrane](parts)
+        bent = bending_of(shell).term(parts)
         bending[shell.name] = _flattened(bent) if shell.natural.shape == "flat" else bent
     return ShellSystem(frames, membrane, bending)
-
-
-@dataclass(frozen=True, slots=True)
-class _Parts:
-    """One shell on the way to its energies."""
-
-    shell: Shell
-    sheet: ShellProperties
-    positions: FloatArray
-    triangles: IntArray
-    topology: ShellTopology
-    dofs: DofMap
-
-    def membrane(self) -> StencilEnergy:
-        """The stretching energy asked for."""
-        name, p, t = f"{self.shell.name}.membrane", self.sheet, self.topology
-        if self.shell.membrane == "cst":
-            return membrane_term(
-                name,
-                self.dofs,
-                self.positions,
-                self.triangles,
-                youngs_modulus=p.youngs_modulus,
-                poisson_ratio=p.poisson_ratio,
-                thickness=p.thickness,
-            )
-        rest = edge_lengths(self.positions, t.edges)
-        if self.shell.membrane == "springs":
-            stiffness = area_springs(p.youngs_modulus, p.thickness, rest, self._adjacent_areas())
-        elif self.shell.bending == "hinge":
-            stiffness = hinge_springs(p.youngs_modulus, p.thickness, rest)
-        else:
-            stiffness = midedge_springs(p.youngs_modulus, p.poisson_ratio, p.thickness, rest)
-        return spring_term(name, self.dofs, t.edges, rest, stiffness)
-
-    def bending(self, normals: ShellFrames | None, first: int) -> StencilEnergy:
-        """The bending energy asked for, stress-free in the rest shape."""
-        name, p, t = f"{self.shell.name}.bending", self.sheet, self.topology
-        if self.shell.bending == "hinge":
-            stiffness = self._hinge_stiffness()
-            return hinge_term(name, self.dofs, self.positions, t.hinges, stiffness)
-        if self.shell.bending == "averaged":
-            return midedge_averaged_term(
-                name,
-                self.dofs,
-                self.positions,
-                self.triangles,
-                t.face_edges,
-                t.edge_faces,
-                youngs_modulus=p.youngs_modulus,
-                poisson_ratio=p.poisson_ratio,
-                thickness=p.thickness,
-            )
-        assert normals is not None
-        return midedge_term(
-            name,
-            self.dofs,
-            self.positions,
-            self.triangles,
-            t.face_edges + first,
-            t.face_signs,
-            normals,
-            youngs_modulus=p.youngs_modulus,
-            poisson_ratio=p.poisson_ratio,
-            thickness=p.thickness,
-        )
-
-    def _hinge_stiffness(self) -> FloatArray:
-        p, t = self.sheet, self.topology
-        if self.shell.hinges != "weighted":
-            return hinge_stiffness(p.youngs_modulus, p.thickness, len(t.hinges))
-        lengths = edge_lengths(self.positions, t.edges)[t.hinge_edges]
-        around = self._adjacent_areas()[t.hinge_edges]
-        return weighted_hinge_stiffness(p.youngs_modulus, p.thickness, lengths, around)
-
-    def _adjacent_areas(self) -> FloatArray:
-        """Area of the triangles at each edge [m^2], shape (B,)."""
-        return adjacent_areas(self.topology.edge_faces, triangle_areas(self.positions, self.triangles))
 
 
 def _flattened(energy: StencilEnergy) -> StencilEnergy:
