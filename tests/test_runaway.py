@@ -37,6 +37,7 @@ class Amplifying:
     order: ClassVar[int] = 1
     stages: ClassVar[int] = 1
     needs_acceleration: ClassVar[bool] = False
+    damping: ClassVar[int] = 0
 
     def stage(self, index: int, start: State, latest: State, dt: float) -> Stage:
         stage = ImplicitEuler().stage(index, start, latest, dt)

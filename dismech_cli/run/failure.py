@@ -5,11 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TypeAlias
 
+from ..solve.integrators import INTEGRATORS
 from ..solve.step import StepResult
 from .simulation import Simulation
-
-# Integrators that damp fast modes, from least to most.
-DAMPING = ("generalized_alpha", "tr_bdf2", "implicit_euler")
 
 Attempt: TypeAlias = tuple[float, float, StepResult]
 """Start and end of a step [s], and what came of it."""
@@ -35,14 +33,14 @@ def describe_failure(simulation: Simulation, last: Sequence[Attempt]) -> str:
 
 def describe_runaway(simulation: Simulation, t: float, dt: float, energies: Mapping[str, float]) -> str:
     """What to say when a run makes energy out of nothing."""
-    own = simulation.integrator.name
-    stronger = DAMPING[DAMPING.index(own) + 1 :] if own in DAMPING else DAMPING
+    own = simulation.integrator
+    stronger = [i.name for i in sorted(INTEGRATORS, key=lambda i: i.damping) if i.damping > own.damping]
     choice = f", or choose {' or '.join(stronger)}, which damp more" if stronger else ""
     return "\n".join(
         (
             f"the motion blew up by t = {t:.6g} s with dt = {dt:.3g} s: "
             f"{energies['error']:.3g} J that nothing gave it",
-            f"  {own} is unstable at this step: fast axial or bending modes grow without bound",
+            f"  {own.name} is unstable at this step: fast axial or bending modes grow without bound",
             f"  advice: reduce numerics.dt{choice}",
         )
     )

@@ -88,6 +88,10 @@ class Integrator(Protocol):
     def needs_acceleration(self) -> bool:
         """Whether the start needs an acceleration consistent with the balance of forces."""
 
+    @property
+    def damping(self) -> int:
+        """Rank by how much fast modes are damped; 0: not, or not by default."""
+
     def stage(self, index: int, start: State, latest: State, dt: float) -> Stage:
         """Maps of one stage.
 
@@ -127,6 +131,7 @@ class ImplicitEuler:
     order: ClassVar[int] = 1
     stages: ClassVar[int] = 1
     needs_acceleration: ClassVar[bool] = False
+    damping: ClassVar[int] = 3
 
     def stage(self, index: int, start: State, latest: State, dt: float) -> Stage:
         """V = (q - q_n)/dt, a = (v - v_n)/dt."""
@@ -153,6 +158,7 @@ class ImplicitMidpoint:
     order: ClassVar[int] = 2
     stages: ClassVar[int] = 1
     needs_acceleration: ClassVar[bool] = False
+    damping: ClassVar[int] = 0
 
     def stage(self, index: int, start: State, latest: State, dt: float) -> Stage:
         """Balance at (q + q_n)/2 with v = (q - q_n)/dt."""
@@ -180,6 +186,7 @@ class Newmark:
     name: ClassVar[str] = "newmark"
     stages: ClassVar[int] = 1
     needs_acceleration: ClassVar[bool] = True
+    damping: ClassVar[int] = 0
 
     @property
     def order(self) -> int:
@@ -200,6 +207,7 @@ class GeneralizedAlpha:
     order: ClassVar[int] = 2
     stages: ClassVar[int] = 1
     needs_acceleration: ClassVar[bool] = True
+    damping: ClassVar[int] = 1
 
     def stage(self, index: int, start: State, latest: State, dt: float) -> Stage:
         """Newmark maps, balance between the ends of the step."""
@@ -219,6 +227,7 @@ class TrBdf2:
     order: ClassVar[int] = 2
     stages: ClassVar[int] = 2
     needs_acceleration: ClassVar[bool] = True
+    damping: ClassVar[int] = 2
     fraction: ClassVar[float] = 2.0 - 2.0**0.5
 
     def stage(self, index: int, start: State, latest: State, dt: float) -> Stage:
@@ -257,6 +266,7 @@ class Static:
     order: ClassVar[int] = 0
     stages: ClassVar[int] = 1
     needs_acceleration: ClassVar[bool] = False
+    damping: ClassVar[int] = 0
 
     def stage(self, index: int, start: State, latest: State, dt: float) -> Stage:
         """Balance of forces at t + dt, from the last equilibrium."""
@@ -272,3 +282,14 @@ class Static:
             v_end=(0.0, zero),
             a_end=(0.0, zero),
         )
+
+
+INTEGRATORS: tuple[Integrator, ...] = (
+    Static(),
+    ImplicitEuler(),
+    ImplicitMidpoint(),
+    Newmark(),
+    GeneralizedAlpha(),
+    TrBdf2(),
+)
+"""One of each, with its defaults."""
