@@ -50,6 +50,12 @@ def test_new_writers_never_overwrite_and_resuming_ones_need_a_file(tmp_path, nam
 
 
 @pytest.mark.parametrize("name", sorted(WRITERS))
+def test_writers_say_what_they_make(tmp_path, name):
+    write_all(make_writer(name, tmp_path), *sheet(frames=1))
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted(WRITERS[name].products)
+
+
+@pytest.mark.parametrize("name", sorted(WRITERS))
 def test_a_missing_folder_is_an_output_error(tmp_path, name):
     (tmp_path / "file").write_text("")
     with pytest.raises(OutputError, match="not a folder"):

@@ -13,7 +13,7 @@ from ..errors import ScenarioError
 from .durable import output_errors, staged
 from .frame import Frame
 from .read import Run, read
-from .vtu import VtuWriter
+from .vtu import SERIES_FILE, VtuWriter
 
 
 def export(run_dir: Path, to: str, output: Path | None = None) -> list[Path]:
@@ -41,7 +41,7 @@ def export(run_dir: Path, to: str, output: Path | None = None) -> list[Path]:
 
 
 def _to_vtu(run: Run, folder: Path) -> list[Path]:
-    series = folder / "series.pvd"
+    series = folder / SERIES_FILE
     with output_errors(series):
         series.unlink(missing_ok=True)
     writer = VtuWriter(folder)

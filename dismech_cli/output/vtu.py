@@ -13,6 +13,9 @@ from ..errors import OutputError
 from .durable import output_errors, staged, write_bytes, write_fully
 from .frame import Frame, Topology
 
+SERIES_FILE = "series.pvd"
+FRAMES_FOLDER = "frames"
+
 _HEAD = '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1">\n<Collection>\n'
 _TAIL = "</Collection>\n</VTKFile>\n"
 _ENTRY = re.compile(r'<DataSet timestep="([^"]+)" part="0" file="([^"]+)"/>\n')
@@ -27,8 +30,8 @@ class VtuWriter:
     """
 
     def __init__(self, folder: Path, resume_at: float | None = None) -> None:
-        self._frames = folder / "frames"
-        self._series = folder / "series.pvd"
+        self._frames = folder / FRAMES_FOLDER
+        self._series = folder / SERIES_FILE
         self._resume_at = resume_at
         self._end = len(_HEAD)
         self._topology: Topology | None = None
@@ -71,7 +74,7 @@ class VtuWriter:
         path = self._frames / f"{frame.index:06d}.vtu"
         with staged(path) as temporary:
             write_vtu(temporary, self._topology, frame)
-        entry = f'<DataSet timestep="{frame.t!r}" part="0" file="frames/{path.name}"/>\n'.encode()
+        entry = f'<DataSet timestep="{frame.t!r}" part="0" file="{FRAMES_FOLDER}/{path.name}"/>\n'.encode()
         with output_errors(self._series), self._series.open("r+b", buffering=0) as file:
             _replace_end(file, self._end, entry)
         self._end += len(entry)

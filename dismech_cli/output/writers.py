@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 
 from ..errors import ScenarioError
@@ -10,15 +11,28 @@ from .frame import Writer
 from .hdf5 import Hdf5Writer
 from .run_directory import RUN_FILE, SCALARS_FILE
 from .table import CsvWriter
-from .vtu import VtuWriter
+from .vtu import FRAMES_FOLDER, SERIES_FILE, VtuWriter
 
-WriterFactory = Callable[[Path, float | None], Writer]
-"""Makes a writer from the run directory and the time of resumption [s] (None: a new run)."""
 
-WRITERS: Mapping[str, WriterFactory] = {
-    "hdf5": lambda run_dir, resume_at: Hdf5Writer(run_dir / RUN_FILE, resume_at),
-    "vtu": lambda run_dir, resume_at: VtuWriter(run_dir, resume_at),
-    "csv": lambda run_dir, resume_at: CsvWriter(run_dir / SCALARS_FILE, resume_at),
+@dataclass(frozen=True, slots=True)
+class WriterKind:
+    """A file format.
+
+    Attributes:
+        products: Names of the files and folders that it makes in the run directory.
+        make: Makes a writer from the run directory and the time of resumption [s] (None: a new run).
+    """
+
+    products: tuple[str, ...]
+    make: Callable[[Path, float | None], Writer]
+
+
+WRITERS: Mapping[str, WriterKind] = {
+    "hdf5": WriterKind((RUN_FILE,), lambda run_dir, resume_at: Hdf5Writer(run_dir / RUN_FILE, resume_at)),
+    "vtu": WriterKind((SERIES_FILE, FRAMES_FOLDER), VtuWriter),
+    "csv": WriterKind(
+        (SCALARS_FILE,), lambda run_dir, resume_at: CsvWriter(run_dir / SCALARS_FILE, resume_at)
+    ),
 }
 
 
@@ -30,4 +44,4 @@ def make_writer(name: str, run_dir: Path, resume_at: float | None = None) -> Wri
     """
     if name not in WRITERS:
         raise ScenarioError(f"no writer is called {name!r}; choose from {', '.join(sorted(WRITERS))}")
-    return WRITERS[name](run_dir, resume_at)
+    return WRITERS[name].make(run_dir, resume_at)

@@ -14,13 +14,13 @@ from ..output.durable import output_errors
 from ..output.events import EventLog
 from ..output.frame import Frame, Topology, Writer
 from ..output.jsonable import Json
-from ..output.run_directory import CHECKPOINT_FOLDER, EVENTS_FILE, RUN_FILE, SCALARS_FILE
-from ..output.writers import make_writer
+from ..output.run_directory import CHECKPOINT_FOLDER, EVENTS_FILE
+from ..output.writers import WRITERS, make_writer
 from .loop import Progress
 from .progress import Reporter
 
 _IDENTITY, _NUMBERS = "identity", "numbers"
-_PRODUCTS = (RUN_FILE, SCALARS_FILE, EVENTS_FILE, "series.pvd", "frames")
+_PRODUCTS = (EVENTS_FILE, *(name for kind in WRITERS.values() for name in kind.products))
 
 Note = Callable[[str], None]
 

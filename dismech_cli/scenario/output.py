@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, TypeAlias
+from typing import Annotated, Literal, TypeAlias, get_args
 
 from annotated_types import Len
 from pydantic import Field, Strict, field_validator
@@ -51,7 +51,7 @@ class Output(Spec):
     fields: Annotated[tuple[FieldName, ...], Strict(False)] = Field(
         default=("velocity",), description="Fields in every frame; `positions` are always there."
     )
-    writers: Annotated[tuple[WriterName, ...], Len(1, 3), Strict(False)] = Field(
+    writers: Annotated[tuple[WriterName, ...], Len(1, len(get_args(WriterName))), Strict(False)] = Field(
         default=("hdf5", "csv"), description="File formats."
     )
     probes: dict[Name, Probe] = Field(default={}, description="Extra columns of scalars.csv, by name.")
