@@ -1,48 +1,221 @@
-"""Every kind of thing that the scenario language offers is used by a shipped scenario."""
+"""Every kind of thing that the scenario language offers is built, and used by a shipped scenario."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, get_args, get_origin
 
-import yaml
+import pytest
+from pydantic import BaseModel
 
-from dismech_cli.scenario.load import json_schema
+from dismech_cli.build.fields import FIELDS
+from dismech_cli.build.forces import BUILDERS
+from dismech_cli.build.numerics import DRIVERS, build_integrator
+from dismech_cli.build.shell_bending import HINGES, SHELL_BENDING
+from dismech_cli.build.shell_membrane import MEMBRANES
+from dismech_cli.output.writers import WRITERS
+from dismech_cli.run.reduce import REDUCTIONS
+from dismech_cli.scenario import numerics
+from dismech_cli.scenario.checks import SURFACE_GROUPS
+from dismech_cli.scenario.expect import Reduction
+from dismech_cli.scenario.force import Force, Load
+from dismech_cli.scenario.geometry import Shell
+from dismech_cli.scenario.load import load
+from dismech_cli.scenario.output import FieldName, WriterName
+from dismech_cli.scenario.profiles import NAMES
+from dismech_cli.scenario.schema import Scenario
+from dismech_cli.scenario.surface import Surface
+from dismech_cli.scenario.walk import walk
+from dismech_cli.solve.integrators import INTEGRATORS
+from dismech_cli.solve.solvers import LINEAR_SOLVERS
+from dismech_cli.solve.tangents import TANGENTS
 
 SCENARIOS = Path(__file__).parents[1] / "scenarios"
-# What a scenario uses without naming it: `radius` is a round section, a shell's natural shape is its
-# rest shape (tests/test_build_shell.py bends one that is naturally flat).
-IMPLIED = {("type", "round"), ("shape", "rest"), ("shape", "flat")}
+
+Choice = tuple[str, tuple[Any, ...], Any]
+"""Key, everything that may stand there, and one of it."""
 
 
-def kinds_offered() -> set[tuple[str, str]]:
-    """The tags of all discriminated unions: ``("type", "gravity")``, ``("shape", "helix")``, ..."""
-    found = set()
-    for definition in json_schema()["$defs"].values():
-        for key in ("type", "shape"):
-            entry = definition.get("properties", {}).get(key, {})
-            found |= {(key, value) for value in entry.get("enum", [entry.get("const")]) if value}
-    return found
+def parts(annotation: Any) -> Iterator[Any]:
+    """The types that an annotation is made of: schema classes and literals."""
+    if get_origin(annotation) is Literal or (
+        isinstance(annotation, type) and issubclass(annotation, BaseModel)
+    ):
+        yield annotation
+    else:
+        for argument in get_args(annotation):
+            yield from parts(argument)
 
 
-def kinds_used(node: Any) -> Iterator[tuple[str, str]]:
-    """The tags that a scenario writes."""
-    if isinstance(node, dict):
-        yield from ((key, value) for key, value in node.items() if isinstance(value, str))
-        for value in node.values():
-            yield from kinds_used(value)
-    elif isinstance(node, list):
-        for value in node:
-            yield from kinds_used(value)
+def literals(kind: type[BaseModel]) -> Iterator[tuple[str, tuple[Any, ...]]]:
+    """The keys of a schema class that leave a choice, and the choices."""
+    for name, field in kind.model_fields.items():
+        for part in parts(field.annotation):
+            if get_origin(part) is Literal and len(get_args(part)) > 1:
+                yield name, get_args(part)
 
 
-def test_every_kind_is_used_by_a_scenario() -> None:
-    offered = kinds_offered()
-    assert len(offered) > 30, "the schema has lost its tags"
-    used = {
-        kind
-        for file in SCENARIOS.rglob("*.yaml")
-        for kind in kinds_used(yaml.safe_load(file.read_text(encoding="utf-8")))
+@cache
+def classes_offered() -> frozenset[type[BaseModel]]:
+    """Every class of the schema."""
+    found: set[type[BaseModel]] = set()
+    todo: list[type[BaseModel]] = [Scenario]
+    while todo:
+        kind = todo.pop()
+        if kind not in found:
+            found.add(kind)
+            for field in kind.model_fields.values():
+                todo += [part for part in parts(field.annotation) if get_origin(part) is not Literal]
+    return frozenset(found)
+
+
+def choices_offered() -> set[Choice]:
+    return {
+        (name, choices, choice)
+        for kind in classes_offered()
+        for name, choices in literals(kind)
+        for choice in choices
     }
-    assert offered - used - IMPLIED == set()
+
+
+@cache
+def used() -> tuple[frozenset[type[BaseModel]], frozenset[Choice]]:
+    """Classes and choices of the shipped scenarios as validated, defaults among them."""
+    classes: set[type[BaseModel]] = set()
+    choices: set[Choice] = set()
+    for file in sorted(SCENARIOS.rglob("*.yaml")):
+        if file.parent.name != "base":
+            for _, value in walk(load(file).scenario):
+                if isinstance(value, BaseModel):
+                    classes.add(type(value))
+                    choices |= set(choices_of(value))
+    return frozenset(classes), frozenset(choices)
+
+
+def choices_of(spec: BaseModel) -> Iterator[Choice]:
+    for name, choices in literals(type(spec)):
+        value = getattr(spec, name)
+        for chosen in value if isinstance(value, tuple | Mapping) else (value,):
+            if chosen in choices:
+                yield name, choices, chosen
+
+
+# What no shipped scenario uses, for each belongs to a machine, to taste or to a special case: the test
+# file that does, and words in it. `auto` and other defaults count as used.
+OTHER_CLASSES = {
+    "RoundSection": ("test_hybrids.py", '"radius"'),
+    "Sawtooth": ("test_scenario_reference.py", "sawtooth"),
+    "SawtoothLaw": ("test_scenario_reference.py", "sawtooth"),
+    "Sine": ("test_scenario_reference.py", "sine"),
+    "SineLaw": ("test_scenario_reference.py", "sine"),
+    "TableFile": ("test_scenario_reference.py", "{table: {file: w.csv"),
+    "VelocityFile": ("verification/test_vibration.py", '"velocity": {"file"'),
+}
+OTHER_CHOICES = {
+    ("color_by", "axial_force"): ("test_render_parts.py", "color_by"),
+    ("color_by", "director"): ("test_render_parts.py", "color_by"),
+    ("color_by", "positions"): ("test_render_parts.py", "color_by"),
+    ("color_by", "velocity"): ("test_render_parts.py", "color_by"),
+    ("fields", "positions"): ("test_scenario_errors.py", "positions"),
+    ("handedness", "left"): ("verification/test_helix_vibration.py", "left"),
+    ("hinges", "equal"): ("verification/test_plate_linear.py", '"hinges", "pattern"'),
+    ("interpolation", "cubic"): ("test_laws.py", '"cubic"'),
+    ("interpolation", "step"): ("test_laws.py", '"step"'),
+    ("kernels", "numba"): ("test_drivers.py", "NumbaDriver"),
+    ("kernels", "numpy"): ("test_drivers.py", "NUMPY"),
+    ("linear_solver", "banded"): ("test_linear.py", "banded"),
+    ("linear_solver", "dense"): ("test_linear.py", "dense"),
+    ("linear_solver", "pardiso"): ("test_linear.py", "pardiso"),
+    ("linear_solver", "superlu"): ("test_linear.py", "superlu"),
+    ("pattern", "right"): ("verification/test_plate_linear.py", "Pattern.RIGHT"),
+    ("pattern", "unstructured"): ("verification/test_shell_published.py", "unstructured"),
+    ("plane", "xy"): ("test_scenarios.py", "plane=xy"),
+    ("profiles", "accurate"): ("test_scenario_load.py", "accurate"),
+    ("profiles", "draft"): ("test_scenario_load.py", "draft"),
+    ("profiles", "normal"): ("test_scenario_load.py", "normal"),
+    ("reduce", "first"): ("test_cli_reduce.py", "first"),
+    ("release", "bending"): ("test_hybrids.py", '"bending"'),
+    ("shape", "flat"): ("test_build_shell.py", '"flat"'),
+    ("video", "gif"): ("test_render_pictures.py", "gif"),
+    ("view", "yz"): ("test_render_parts.py", '"yz"'),
+}
+
+
+def test_the_schema_is_walked() -> None:
+    names = {kind.__name__ for kind in classes_offered()}
+    assert {"Gravity", "Shell", "Newton", "SineLaw", "Tangential", "SphereSelection", "Tolerance"} <= names
+    assert ("bending", get_args(Shell.model_fields["bending"].annotation), "averaged") in choices_offered()
+
+
+def test_every_class_is_used_by_a_scenario() -> None:
+    assert {kind.__name__ for kind in classes_offered() - used()[0]} == set(OTHER_CLASSES)
+
+
+def test_every_choice_is_used_by_a_scenario() -> None:
+    assert {(name, choice) for name, _, choice in choices_offered() - used()[1]} == set(OTHER_CHOICES)
+
+
+@pytest.mark.parametrize(("file", "words"), sorted({*OTHER_CLASSES.values(), *OTHER_CHOICES.values()}))
+def test_what_no_scenario_uses_is_tested(file: str, words: str) -> None:
+    assert words in (Path(__file__).parent / file).read_text(encoding="utf-8")
+
+
+# ---------------------------------------------------------------- registries
+
+
+def members(union: Any) -> set[type[BaseModel]]:
+    """The classes of a union."""
+    return {part for part in parts(union) if get_origin(part) is not Literal}
+
+
+def tags(union: Any, key: str) -> set[str]:
+    """What tells the classes of a union apart."""
+    return {tag for kind in members(union) for tag in get_args(kind.model_fields[key].annotation)}
+
+
+def choices(kind: type[BaseModel], name: str) -> set[Any]:
+    """What may stand under a key, beside leaving it to the program."""
+    (found,) = (found for key, found in literals(kind) if key == name)
+    return set(found) - {"auto"}
+
+
+REGISTRIES = {
+    "forces": (BUILDERS, members(Force)),
+    "shell bending": (SHELL_BENDING, choices(Shell, "bending")),
+    "hinges": (HINGES, choices(Shell, "hinges")),
+    "membranes": (MEMBRANES, choices(Shell, "membrane")),
+    "writers": (WRITERS, set(get_args(WriterName))),
+    "fields": (FIELDS, set(get_args(FieldName)) - {"positions"}),
+    "linear solvers": (LINEAR_SOLVERS, choices(numerics.Numerics, "linear_solver")),
+    "kernels": (DRIVERS, choices(numerics.Numerics, "kernels")),
+    "tangents": (TANGENTS, choices(numerics.Newton, "projection")),
+    "integrators": ({i.name for i in INTEGRATORS}, tags(numerics.Integrator, "type")),
+    "reductions": (REDUCTIONS, set(get_args(Reduction))),
+    "surface groups": (SURFACE_GROUPS, tags(Surface, "shape")),
+    "profiles": (NAMES, set(get_args(get_args(Scenario.model_fields["profiles"].annotation)[0]))),
+}
+
+
+@pytest.mark.parametrize("name", REGISTRIES)
+def test_a_registry_holds_what_the_language_offers(name: str) -> None:
+    registry, offered = REGISTRIES[name]
+    assert offered
+    assert set(registry) == offered
+
+
+def test_a_tag_belongs_to_one_force() -> None:
+    assert len(tags(Force, "type")) == len(members(Force))
+
+
+@pytest.mark.parametrize("kind", sorted(members(Force), key=lambda kind: kind.__name__))
+def test_a_force_says_what_it_acts_on(kind: type[Load]) -> None:
+    named = {"rods", "shells", "shell"}.intersection(kind.model_fields)
+    assert named == ({kind.acts_on} if kind.acts_on else set())
+
+
+@pytest.mark.parametrize("spec", sorted(members(numerics.Integrator), key=lambda kind: kind.__name__))
+def test_an_integrator_is_built_under_its_name(spec: Any) -> None:
+    (name,) = get_args(spec.model_fields["type"].annotation)
+    assert build_integrator(spec(type=name)).name == name
