@@ -34,11 +34,12 @@ from dismech_cli.model.model import Model
 from dismech_cli.model.motion import held_dofs, prescribe
 from dismech_cli.model.sections import RodProperties, rod_properties, round_section
 from dismech_cli.solve.integrators import GeneralizedAlpha, ImplicitEuler, Stage, Static
-from dismech_cli.solve.linear import BandedSolver
+from dismech_cli.solve.linear import BandedSolver, LinearSolver
 from dismech_cli.solve.newton import NewtonResult, NewtonSettings, solve_stage
 from dismech_cli.solve.status import Status
 from dismech_cli.solve.step import Stepper
 from dismech_cli.solve.system import System
+from dismech_cli.solve.tangents import TANGENTS
 
 
 class RecordingSystem(System):
@@ -53,10 +54,12 @@ class RecordingSystem(System):
         return super().linearize(stage, q, stored)
 
 
-def solve(model: Model, settings: NewtonSettings) -> tuple[NewtonResult, RecordingSystem]:
+def solve(
+    model: Model, settings: NewtonSettings, solver: LinearSolver | None = None
+) -> tuple[NewtonResult, RecordingSystem]:
     """One static load step from rest."""
     system = RecordingSystem(model)
-    solver = BandedSolver()
+    solver = solver or BandedSolver()
     solver.analyze(system.pattern)
     stepper = Stepper(model, Static(), settings, "banded")
     state = stepper.rest_state()
@@ -266,9 +269,44 @@ def test_nan_in_a_load_is_named(kind: str) -> None:
     assert_array_equal(start.q, kept)
 
 
-def test_too_few_iterations() -> None:
-    result, _ = solve(loaded("planar", 9.81), NewtonSettings(max_iterations=1))
-    assert result.status is Status.MAX_ITERATIONS
+class CountingSolver(BandedSolver):
+    """Counts the matrices it is given."""
+
+    def __init__(self) -> None:
+        self.factorisations = 0
+
+    def factorize(self, values: FloatArray) -> None:
+        self.factorisations += 1
+        super().factorize(values)
+
+
+@pytest.mark.parametrize(("degrees", "projection"), [(90.0, "none"), (178.0, "none"), (178.0, "indefinite")])
+def test_iterations_are_one_budget(degrees: float, projection: str) -> None:
+    """Full steps, line search and projections draw from it; it ends their way and does not bend it."""
+    model = _push(cantilever("planar"), np.array([degrees]))
+    settings = NewtonSettings(factorize=TANGENTS[projection])
+    solver = CountingSolver()
+    whole, _ = solve(model, settings, solver)
+    needed = whole.iterations
+    assert whole.status is Status.CONVERGED
+    assert needed == solver.factorisations
+    for allowed in (1, 5, 20, needed - 1, needed, needed + 1):
+        solver = CountingSolver()
+        result, _ = solve(model, replace(settings, max_iterations=allowed), solver)
+        assert result.iterations == solver.factorisations == min(allowed, needed)
+        assert result.status is (Status.CONVERGED if allowed >= needed else Status.MAX_ITERATIONS)
+        if allowed >= needed:
+            assert_array_equal(result.q, whole.q)
+
+
+@pytest.mark.parametrize("allowed", [1, 2, 10, 25])
+def test_shifts_draw_from_the_budget(allowed: int) -> None:
+    """Nothing holds this rod: the full step finds it singular, then the diagonal is raised."""
+    model = massless(weighted(isotropic_rod(*straight(6), SILICONE), (0.0, 0.0, -9.81), Constant(1.0)))
+    solver = CountingSolver()
+    result, _ = solve(model, NewtonSettings(max_iterations=allowed), solver)
+    assert result.iterations == solver.factorisations == allowed
+    assert result.status is Status.FACTORIZATION_FAILED
 
 
 def test_reactions_balance_the_weight() -> None:

@@ -65,7 +65,9 @@ class Newton(Spec):
         default=1e-8, description="Relative size of the residual at which it stops."
     )
     max_iterations: Annotated[int, Field(ge=1, le=10_000)] = Field(
-        default=50, description="Iterations before a step counts as failed."
+        default=100,
+        description="Iterations, each with one factorisation, before a step counts as failed. The first 20 "
+        "take full steps; what is left goes to a line search down the energy from the start of the step.",
     )
     projection: Literal["none", "indefinite"] = Field(
         default="none",

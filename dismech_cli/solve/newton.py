@@ -7,7 +7,7 @@ and above the round-off of positions.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import isfinite, sqrt
 
 import numpy as np
@@ -16,6 +16,7 @@ from ..arrays import FloatArray, IntArray
 from ..model.frames import FrameState
 from .integrators import Stage
 from .linear import FactorizationError, LinearSolver, solve_updated
+from .pattern import SparsityPattern
 from .status import Status
 from .system import Linearized, System
 from .tangents import Factorize, exact
@@ -36,12 +37,12 @@ class NewtonSettings:
 
     Attributes:
         tolerance: Residual relative to the largest force in the model [1].
-        max_iterations: Iterations before giving up.
+        max_iterations: Factorisations before giving up, of full steps and line search together.
         factorize: Chooses the tangent, an entry of ``TANGENTS``.
     """
 
     tolerance: float = 1e-8
-    max_iterations: int = 50
+    max_iterations: int = 100
     factorize: Factorize = exact
 
 
@@ -53,7 +54,7 @@ class NewtonResult:
         q: Solution, or the last iterate.
         residual: Full residual (n,) at ``q``: reactions on held DOFs.
         status: How it ended.
-        iterations: Linear solves done.
+        iterations: Factorisations done, those of shifted and of projected tangents included.
         residual_norm: Largest free residual [N].
         worst: Global index of the DOF with the largest residual, or -1.
     """
@@ -66,6 +67,50 @@ class NewtonResult:
     worst: int
 
 
+class _Exhausted(Exception):
+    """The factorisations allowed are used up."""
+
+
+class _Budget:
+    """A linear solver that counts its factorisations, whoever asks for them, and ends at a limit.
+
+    Attributes:
+        name: That of the solver.
+        spent: Factorisations done.
+    """
+
+    def __init__(self, solver: LinearSolver, limit: int) -> None:
+        self._solver = solver
+        self._limit = limit
+        self.name = solver.name
+        self.spent = 0
+
+    @property
+    def used_up(self) -> bool:
+        """Whether no factorisation is left."""
+        return self.spent == self._limit
+
+    @property
+    def indefinite(self) -> bool:
+        """As the solver says."""
+        return self._solver.indefinite
+
+    def analyze(self, pattern: SparsityPattern) -> None:
+        """Nothing to count."""
+        self._solver.analyze(pattern)
+
+    def factorize(self, values: FloatArray) -> None:
+        """Factorise; raise :class:`_Exhausted` where the limit is reached."""
+        if self.used_up:
+            raise _Exhausted
+        self.spent += 1
+        self._solver.factorize(values)
+
+    def solve(self, rhs: FloatArray) -> FloatArray:
+        """Solve with the last factors."""
+        return self._solver.solve(rhs)
+
+
 def solve_stage(
     system: System,
     solver: LinearSolver,
@@ -75,26 +120,20 @@ def solve_stage(
     settings: NewtonSettings,
 ) -> NewtonResult:
     """Solve one stage from ``guess`` (prescribed values already in place)."""
+    budget = _Budget(solver, settings.max_iterations)
     with np.errstate(all="ignore"):
-        result = _full_steps(system, solver, stage, guess, stored, settings)
-        if result.status is Status.CONVERGED:
+        result = _full_steps(system, budget, stage, guess, stored, settings)
+        if result.status is Status.CONVERGED or budget.used_up:
             return result
-        retry = _line_search(system, solver, stage, guess, stored, settings)
+        retry = _line_search(system, budget, stage, guess, stored, settings)
     # The retry shifts the diagonal and cannot see that the tangent was singular: keep that finding.
     singular = result.status is Status.FACTORIZATION_FAILED and retry.status is not Status.CONVERGED
-    return NewtonResult(
-        retry.q,
-        retry.residual,
-        result.status if singular else retry.status,
-        result.iterations + retry.iterations,
-        retry.residual_norm,
-        retry.worst,
-    )
+    return replace(retry, status=result.status) if singular else retry
 
 
 def _full_steps(
     system: System,
-    solver: LinearSolver,
+    budget: _Budget,
     stage: Stage,
     guess: FloatArray,
     stored: FrameState,
@@ -103,81 +142,96 @@ def _full_steps(
     q = guess.copy()
     free = system.pattern.free
     floor, settled = 0.0, False
-    for iterations in range(min(settings.max_iterations, _FULL_STEPS) + 1):
+    for iterations in range(_FULL_STEPS + 1):
         now = system.linearize(stage, q, stored)
         if iterations == 0:
             floor = system.round_off(now.values, q)
         rhs = -now.residual[free]
         size = _size(rhs, system)
         if not isfinite(floor + sum(size)):
-            return _failed(q, now.residual, free, Status.NOT_FINITE, iterations)
+            return _failed(q, now.residual, free, Status.NOT_FINITE, budget.spent)
         # One step at least, and one more from where rounding of stiff axial forces hides the rest:
         # soft directions, whose forces are far smaller, are solved by it too. A guess taken as it is
         # would let slow motion creep to a halt short of its rest.
         at_floor = _small(size, now, system, settings.tolerance, floor)
         met = iterations > 0 and _small(size, now, system, settings.tolerance, 0.0)
         if sum(size) == 0.0 or (at_floor and (settled or met)):
-            return _done(q, now.residual, free, iterations)
+            return _done(q, now.residual, free, budget.spent)
         settled = at_floor
+        if iterations == _FULL_STEPS:
+            break
         try:
-            settings.factorize(system, solver, stage, q, stored, now)
-            step = solve_updated(solver, now.columns, now.rows, rhs)
+            settings.factorize(system, budget, stage, q, stored, now)
+            step = solve_updated(budget, now.columns, now.rows, rhs)
+        except _Exhausted:
+            break
         except FactorizationError:
-            return _failed(q, now.residual, free, Status.FACTORIZATION_FAILED, iterations)
+            return _failed(q, now.residual, free, Status.FACTORIZATION_FAILED, budget.spent)
         moved, _ = _size(step, system)
         if not moved <= _RUNAWAY * system.extent:
             status = Status.FACTORIZATION_FAILED if isfinite(moved) else Status.NOT_FINITE
-            return _failed(q, now.residual, free, status, iterations + 1)
+            return _failed(q, now.residual, free, status, budget.spent)
         q[free] += step
-    return _failed(q, now.residual, free, Status.MAX_ITERATIONS, iterations)
+    return _failed(q, now.residual, free, Status.MAX_ITERATIONS, budget.spent)
 
 
 def _line_search(
     system: System,
-    solver: LinearSolver,
+    budget: _Budget,
     stage: Stage,
     guess: FloatArray,
     stored: FrameState,
     settings: NewtonSettings,
 ) -> NewtonResult:
-    """Newton with descent directions on the stage's potential and Armijo backtracking.
-
-    Where the tangent gives no descent direction, its diagonal is raised until it does.
-    """
+    """Newton with descent directions on the stage's potential and Armijo backtracking."""
     q = guess.copy()
     free = system.pattern.free
-    iterations, shift, floor = 0, 0.0, 0.0
-    for _ in range(settings.max_iterations):
-        now = system.linearize(stage, q, stored)
-        if iterations == 0:
-            floor = system.round_off(now.values, q)
+    now = system.linearize(stage, q, stored)
+    floor = system.round_off(now.values, q)
+    shift = 0.0
+    while True:
         gradient = now.residual[free]
         size = _size(gradient, system)
         if not isfinite(floor + sum(size)):
-            return _failed(q, now.residual, free, Status.NOT_FINITE, iterations)
+            return _failed(q, now.residual, free, Status.NOT_FINITE, budget.spent)
         if _small(size, now, system, settings.tolerance, floor):
-            return _done(q, now.residual, free, iterations)
-        step = None
+            return _done(q, now.residual, free, budget.spent)
         try:
-            values = settings.factorize(system, solver, stage, q, stored, now)
-            iterations += 1
-            if shift == 0.0:
-                step = _downhill(solver, gradient)
-        except FactorizationError:
-            values = now.values
+            step, shift = _descent(system, budget, stage, q, stored, settings, now, gradient, shift)
+        except _Exhausted:
+            return _failed(q, now.residual, free, Status.MAX_ITERATIONS, budget.spent)
         if step is None:
-            step, shift, solves = _shifted(system, solver, values, gradient, shift or _LEAST_SHIFT)
-            iterations += solves
-        if step is None:
-            return _failed(q, now.residual, free, Status.FACTORIZATION_FAILED, iterations)
+            return _failed(q, now.residual, free, Status.FACTORIZATION_FAILED, budget.spent)
         # A string of a rod bends at once over many times its length: let it fall a length at a time.
         moved, _ = _size(step, system)
         step *= min(1.0, system.extent / moved) if moved > 0.0 else 1.0
         length = _backtrack(system, stage, q, stored, step, gradient)
         if length == 0.0:
-            return _failed(q, now.residual, free, Status.LINE_SEARCH_FAILED, iterations)
+            return _failed(q, now.residual, free, Status.LINE_SEARCH_FAILED, budget.spent)
         q[free] += length * step
-    return _failed(q, now.residual, free, Status.MAX_ITERATIONS, iterations)
+        now = system.linearize(stage, q, stored)
+
+
+def _descent(
+    system: System,
+    solver: LinearSolver,
+    stage: Stage,
+    q: FloatArray,
+    stored: FrameState,
+    settings: NewtonSettings,
+    now: Linearized,
+    gradient: FloatArray,
+    shift: float,
+) -> tuple[FloatArray | None, float]:
+    """Newton's step if it goes down the slope, or with the diagonal raised until it does; the next shift."""
+    try:
+        values = settings.factorize(system, solver, stage, q, stored, now)
+        step = _downhill(solver, gradient) if shift == 0.0 else None
+    except FactorizationError:
+        values, step = now.values, None
+    if step is not None:
+        return step, 0.0
+    return _shifted(system, solver, values, gradient, shift or _LEAST_SHIFT)
 
 
 def _downhill(solver: LinearSolver, gradient: FloatArray) -> FloatArray | None:
@@ -188,12 +242,12 @@ def _downhill(solver: LinearSolver, gradient: FloatArray) -> FloatArray | None:
 
 def _shifted(
     system: System, solver: LinearSolver, values: FloatArray, gradient: FloatArray, shift: float
-) -> tuple[FloatArray | None, float, int]:
-    """Direction down the slope, the diagonal raised as little as needed; the next shift; solves done."""
+) -> tuple[FloatArray | None, float]:
+    """Direction down the slope, the diagonal raised as little as needed; the next shift."""
     diagonal = system.pattern.diagonal
     size = np.abs(values[diagonal])
     base = values[diagonal].copy()
-    for attempt in range(24):
+    for _ in range(24):
         values[diagonal] = base + shift * size
         try:
             solver.factorize(values)
@@ -202,9 +256,9 @@ def _shifted(
             step = None
         if step is not None:
             # a shift that was needed is tried ten times smaller at the next iterate
-            return step, (0.1 * shift if shift > 0.1 * _LEAST_SHIFT else 0.0), attempt + 1
+            return step, (0.1 * shift if shift > 0.1 * _LEAST_SHIFT else 0.0)
         shift = 10.0 * shift
-    return None, shift, 24
+    return None, shift
 
 
 def _backtrack(
