@@ -13,7 +13,7 @@ from dismech_cli.model.dofs import DofMap
 from dismech_cli.model.model import Model
 from dismech_cli.model.term import Coupling, Linearization
 from dismech_cli.solve.inertia import _from_dense, _from_superlu, negative_eigenvalues
-from dismech_cli.solve.linear import FactorizationError, solve_updated
+from dismech_cli.solve.linear import BandedSolver, FactorizationError, solve_updated
 from dismech_cli.solve.pardiso import InertiaCounter, pardiso_available
 from dismech_cli.solve.pattern import SparsityPattern
 from dismech_cli.solve.solvers import BAND_LIMIT, DENSE_LIMIT, LINEAR_SOLVERS, choose_solver
@@ -75,6 +75,22 @@ def test_refactorisation(name: str, kind: str) -> None:
             assert_allclose(solver.solve(rhs), expected, rtol=0, atol=1e-10 * np.abs(expected).max())
         assert np.array_equal(rhs, kept)
         assert np.array_equal(values, kept_values)
+
+
+@pytest.mark.parametrize("shape", [helix(30), ring(12), helix(3)], ids=["chain", "ring", "full"])
+@pytest.mark.parametrize("kind", KINDS)
+def test_banded_product(kind: str, shape: tuple) -> None:
+    """The check of a solution multiplies with the matrix itself, however wide its band."""
+    pattern, values = system(kind, framed_rod(*shape, UNEQUAL))
+    solver = BandedSolver()
+    solver.analyze(pattern)
+    x = np.random.default_rng(2).normal(size=pattern.m)
+    for scale in (1.0, 3.0):
+        solver.factorize(scale * values)
+        expected = scale * dense(pattern, values) @ x
+        # eps times the entries of a row, of which there are m at most
+        bound = pattern.m * np.finfo(float).eps * np.abs(scale * values).max() * np.abs(x).max()
+        assert_allclose(solver._product(x), expected, rtol=0, atol=bound)
 
 
 @pytest.mark.parametrize("name", SOLVERS)

@@ -199,8 +199,7 @@ class BandedSolver:
         return x
 
     def _product(self, x: FloatArray) -> FloatArray:
-        from scipy.linalg.blas import dsbmv
-        from scipy.sparse import dia_array
+        from scipy.linalg.blas import dgbmv, dsbmv
 
         p, u = self._pattern, self._width
         y: FloatArray
@@ -208,9 +207,10 @@ class BandedSolver:
             y = dsbmv(u, 1.0, self._band, x, lower=1)
         else:
             assert self._full is not None
-            # SciPy's dgbmv refuses bands wider than the matrix is long
-            band = self._full.reshape(3 * u + 1, p.m, order="F")[u:]
-            y = dia_array((band, np.arange(u, -u - 1, -1)), shape=(p.m, p.m)) @ x
+            # The room that dgbtrf wants above the band counts as u more diagonals of zeros, for SciPy would
+            # copy a part of the columns; and it refuses fewer rows than diagonals: more of zeros, then.
+            full = self._full.reshape(3 * u + 1, p.m, order="F")
+            y = dgbmv(max(p.m, 3 * u + 1), p.m, u, 2 * u, 1.0, full, x)[: p.m]
         return y
 
 
