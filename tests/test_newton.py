@@ -33,9 +33,12 @@ from dismech_cli.model.laws import Constant, Table
 from dismech_cli.model.model import Model
 from dismech_cli.model.motion import held_dofs, prescribe
 from dismech_cli.model.sections import RodProperties, rod_properties, round_section
+from dismech_cli.solve import pardiso
 from dismech_cli.solve.integrators import GeneralizedAlpha, ImplicitEuler, Stage, Static
 from dismech_cli.solve.linear import BandedSolver, LinearSolver
 from dismech_cli.solve.newton import NewtonResult, NewtonSettings, solve_stage
+from dismech_cli.solve.pardiso import Factors, pardiso_available
+from dismech_cli.solve.pattern import SparsityPattern
 from dismech_cli.solve.status import Status
 from dismech_cli.solve.step import Stepper
 from dismech_cli.solve.system import System
@@ -146,6 +149,31 @@ def test_unstable_equilibrium_is_counted() -> None:
         step = stepper.step(stepper.prepare(stepper.rest_state()), 1.0)
         assert step.status is Status.CONVERGED
         assert stepper.negative_eigenvalues(step.state) == modes
+
+
+@pytest.mark.skipif(not pardiso_available(), reason="no MKL")
+def test_pattern_is_analysed_once_for_all_counts(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A probe of stability at every step keeps its symbolic factors until the model is bound anew."""
+    analysed: list[SparsityPattern] = []
+
+    class Recording(Factors):
+        def __init__(self, kind: int, pattern: SparsityPattern) -> None:
+            analysed.append(pattern)
+            super().__init__(kind, pattern)
+
+    monkeypatch.setattr(pardiso, "Factors", Recording)
+    model = massless(clamped(cantilever("planar", nodes=400), (399,)))
+    *held, end = model.motions
+    model = replace(model, motions=(*held, replace(end, release=1.0)))
+    stepper = Stepper(model, Static(), NewtonSettings(), "banded")
+    state = stepper.prepare(stepper.rest_state())
+    for _ in range(3):
+        state = stepper.step(state, 0.1).state
+        assert stepper.negative_eigenvalues(state) == 0
+    assert len(analysed) == 1
+    state = stepper.prepare(replace(state, t=1.0))
+    assert stepper.negative_eigenvalues(state) == 0
+    assert len(analysed) == 2
 
 
 @pytest.mark.parametrize("kind", MODELS)

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
+from typing import TypeAlias
+
 import numpy as np
 
 from ..arrays import FloatArray
@@ -12,22 +16,21 @@ from .pattern import SparsityPattern
 # Up to this order the full matrix is factorised within a millisecond; MKL takes half a second to load.
 _DENSE_LIMIT = 500
 
+# From stored entries, shape (slots,), to the number; raises FactorizationError where the matrix is singular
+# or not finite.
+CountNegative: TypeAlias = Callable[[FloatArray], int]
 
-def negative_eigenvalues(pattern: SparsityPattern, values: FloatArray) -> int:
-    """Count negative eigenvalues of a symmetric matrix by its LDL^T factors (Sylvester's law).
 
-    Args:
-        pattern: A symmetric pattern.
-        values: Stored entries, shape (slots,).
+def negative_eigenvalues_on(pattern: SparsityPattern) -> CountNegative:
+    """What counts negative eigenvalues on a symmetric pattern, by LDL^T factors (Sylvester's law).
 
-    Raises:
-        FactorizationError: The matrix is singular or not finite.
+    Keep it as long as the pattern: PARDISO analyses that once, at the first count.
     """
     if pattern.m <= _DENSE_LIMIT:
-        return _from_dense(pattern, values)
+        return partial(_from_dense, pattern)
     if pardiso_available():
-        return InertiaCounter(pattern).count(values)
-    return _from_superlu(pattern, values)
+        return InertiaCounter(pattern).count
+    return partial(_from_superlu, pattern)
 
 
 def _from_dense(pattern: SparsityPattern, values: FloatArray) -> int:

@@ -11,7 +11,7 @@ from ..arrays import FloatArray, IntArray
 from ..model.model import Model
 from ..model.motion import held_dofs, held_span, prescribe
 from ..model.state import State
-from .inertia import negative_eigenvalues
+from .inertia import CountNegative, negative_eigenvalues_on
 from .integrators import Integrator, Stage, Weights
 from .linear import LinearSolver
 from .newton import NewtonSettings, solve_stage
@@ -71,6 +71,7 @@ class Stepper:
         self._held: IntArray
         self.system: System
         self.solver: LinearSolver
+        self._count_negative: CountNegative | None = None
         self.analyses = 0
 
     def rest_state(self, velocity: FloatArray | None = None, t: float = 0.0) -> State:
@@ -117,7 +118,9 @@ class Stepper:
         """Negative eigenvalues of the stiffness matrix at a static state."""
         stage = self.integrator.stage(0, state, state, 0.0)
         values = self.system.linearize(stage, state.q, state.frames).values
-        return negative_eigenvalues(self.system.pattern, values)
+        if self._count_negative is None:  # few scenes ask, and MKL takes long to load
+            self._count_negative = negative_eigenvalues_on(self.system.pattern)
+        return self._count_negative(values)
 
     def _bind(self, t: float) -> None:
         motions = self.model.motions
@@ -128,6 +131,7 @@ class Stepper:
         name = choose_solver(self.system.pattern) if self._wanted == "auto" else self._wanted
         self.solver = LINEAR_SOLVERS[name]()
         self.solver.analyze(self.system.pattern)
+        self._count_negative = None
         self.analyses += 1
 
     def _accept(self, stage: Stage, before: State, q: FloatArray) -> State:
