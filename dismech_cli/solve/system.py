@@ -69,6 +69,9 @@ class System:
             model.dofs, free, [coupling for term in model.terms for coupling in term.couplings]
         )
         self._exact = self._bound(model.driver)
+        # sorted here: a check against a protocol costs as much as a term
+        self._energies = [t for t in self.terms if isinstance(t, BoundEnergy)]
+        self._others = [t for t in self.terms if not isinstance(t, BoundEnergy)]
         self._mirror = None if self.pattern.symmetric else self.pattern.mirror()
         self._damped = any(t.dissipative for t in model.terms)
         self._buffers = Linearization.of(model.dofs.n, self.pattern.slots)
@@ -177,14 +180,10 @@ class System:
         merit function; the rest (inertia, drag) is integrated along a search direction.
         """
         c = self.configuration(stage, q, stored)
-        energy = 0.0
         rest = self.model.mass * stage.acceleration(q)
-        for term in self.terms:
-            if isinstance(term, BoundEnergy):
-                energy += float(term.energy(c).sum())
-            else:
-                term.add_residual(c, rest)
-        return energy, rest
+        for term in self._others:
+            term.add_residual(c, rest)
+        return sum(float(term.energy(c).sum()) for term in self._energies), rest
 
     def round_off(self, values: FloatArray, q: FloatArray) -> float:
         """Norm of the residual that rounding of positions alone explains [N]."""
