@@ -19,6 +19,7 @@ from dismech_cli.forces.resistive import resistive_force
 from dismech_cli.forces.viscous import ViscousDamping
 from dismech_cli.mesh.topology import rod_stencils
 from dismech_cli.model.configuration import Configuration
+from dismech_cli.model.directors import space_parallel
 from dismech_cli.model.dofs import DofMap
 from dismech_cli.model.driver import Driver
 from dismech_cli.model.frames import Frames, FrameState, NoFrames, RodFrames
@@ -215,13 +216,14 @@ def framed_rod(
     lengths = _lengths(nodes, edges)
     triples, pairs, signs = rod_stencils(len(nodes), edges)
     count = len(triples)
+    tangents = ((nodes[edges[:, 1]] - nodes[edges[:, 0]]) / lengths[:, None]).T
     frames = RodFrames(
         np.ascontiguousarray(dofs.of_nodes(edges[:, 0]).T),
         np.ascontiguousarray(dofs.of_nodes(edges[:, 1]).T),
         dofs.of_angles(np.arange(n_edges)),
         pairs,
         signs.astype(np.float64),
-        np.full((n_edges, 3), np.nan) if directors is None else directors,
+        space_parallel(tangents, np.full((3, n_edges), np.nan) if directors is None else directors.T),
         driver,
     )
     rest = np.concatenate((nodes.reshape(-1), np.zeros(n_edges)))

@@ -11,9 +11,10 @@ from ..energies.bend_isotropic import BEND_ISOTROPIC
 from ..energies.bend_planar import BEND_PLANAR
 from ..energies.bend_twist import BEND_TWIST
 from ..energies.stretch import STRETCH, STRETCH_PLANAR
+from ..model.directors import space_parallel
 from ..model.dofs import DofMap
 from ..model.driver import Driver
-from ..model.frames import Frames, NoFrames, RodFrames, space_parallel
+from ..model.frames import Frames, NoFrames, RodFrames
 from ..model.stencil import StencilEnergy, no_auxiliaries
 from ..model.strains import material_curvatures, planar_curvature
 from ..scenario.load import LoadedScenario
@@ -80,18 +81,21 @@ def build_rods(
     dofs, rest = numbering.dofs, numbering.rest
     framed = plan.bending is Bending.FRAMED
     n_edges = dofs.n_angles
-    directors = _directors(loaded, geometry, skeleton)
-    in_plane = _in_plane(loaded, geometry, plan, directors)
+    given = _given_directors(loaded, geometry, skeleton)
+    in_plane = np.zeros((len(geometry.rods), 2), dtype=np.int64)
+    if plan.bending is Bending.PLANAR:
+        in_plane = _in_plane(loaded, geometry, plan, _directors(skeleton, given))
     joints = skeleton.joints
     frames: Frames = NoFrames()
     if framed:
+        directors = _directors(skeleton, given)
         frames = RodFrames(
             np.ascontiguousarray(dofs.of_nodes(skeleton.edges[:, 0]).T),
             np.ascontiguousarray(dofs.of_nodes(skeleton.edges[:, 1]).T),
             dofs.of_angles(np.arange(n_edges)),
             joints.pairs,
             joints.signs,
-            directors,
+            np.concatenate((directors, directors[:, skeleton.owners]), axis=1),
             driver,
         )
     stiffness = np.stack([_in_series(geometry, skeleton, name) for name in ("bending_1", "bending_2")])
@@ -175,24 +179,31 @@ def _stretch(loaded: LoadedScenario, geometry: Geometry, skeleton: Skeleton, dof
     )
 
 
-def _directors(loaded: LoadedScenario, geometry: Geometry, skeleton: Skeleton) -> FloatArray:
-    """First material directors at rest, shape (E + W, 3): a wall has that of its rod."""
-    e = skeleton.positions[skeleton.edges[:, 1]] - skeleton.positions[skeleton.edges[:, 0]]
-    tangents = e / skeleton.rest_lengths[:, None]
-    given = np.full(tangents.shape, np.nan)
+def _given_directors(loaded: LoadedScenario, geometry: Geometry, skeleton: Skeleton) -> FloatArray:
+    """First material directors that the user gives, NaN elsewhere, shape (3, E)."""
+    tangents = _tangents(skeleton)
+    given = np.full((3, len(geometry.edges)), np.nan)
     for rod, key in zip(geometry.rods, geometry.rod_keys, strict=True):
         if rod.director is not None:
             first = geometry.rod_edges[rod.name][0]
-            across = np.linalg.norm(np.cross(tangents[first], rod.director))
+            across = np.linalg.norm(np.cross(tangents[:, first], rod.director))
             if across < 1e-6 * np.linalg.norm(rod.director):
                 raise loaded.error(
                     ("geometry", key, "director"),
                     "lies along the first edge of the rod; expected a direction across it",
                 )
-            given[first] = rod.director
-    count = len(geometry.edges)
-    directors = space_parallel(tangents[:count], given[:count])
-    return np.concatenate((directors, directors[skeleton.owners]))
+            given[:, first] = rod.director
+    return given
+
+
+def _directors(skeleton: Skeleton, given: FloatArray) -> FloatArray:
+    """First material directors of the geometry's edges at rest, shape (3, E)."""
+    return space_parallel(_tangents(skeleton)[:, : given.shape[1]], given)
+
+
+def _tangents(skeleton: Skeleton) -> FloatArray:
+    e = skeleton.positions[skeleton.edges[:, 1]] - skeleton.positions[skeleton.edges[:, 0]]
+    return np.ascontiguousarray((e / skeleton.rest_lengths[:, None]).T)
 
 
 def _in_plane(loaded: LoadedScenario, geometry: Geometry, plan: Plan, directors: FloatArray) -> IntArray:
@@ -201,14 +212,12 @@ def _in_plane(loaded: LoadedScenario, geometry: Geometry, plan: Plan, directors:
     With kappa b = kappa n for the plane's normal n, kappa_1 = kappa n.m2 and kappa_2 = -kappa n.m1.
     """
     out = np.zeros((len(geometry.rods), 2), dtype=np.int64)
-    if plan.bending is not Bending.PLANAR:
-        return out
     normal = np.array(PLANAR_AXIS[plan.axes])
     for index, rod in enumerate(geometry.rods):
         edges = geometry.rod_edges[rod.name]
         e = geometry.nodes[geometry.edges[edges, 1]] - geometry.nodes[geometry.edges[edges, 0]]
         t = e / np.linalg.norm(e, axis=1)[:, None]
-        m1 = directors[edges]
+        m1 = directors[:, edges].T
         one, two = np.cross(t, m1) @ normal, -(m1 @ normal)
         for which, values in enumerate((one, two)):
             if np.all(np.abs(np.abs(values) - 1.0) < 1e-9) and np.all(values * values[0] > 0.0):

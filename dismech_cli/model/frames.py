@@ -1,8 +1,7 @@
 """Reference and material frames of rod edges, transported in time (Bergou et al. 2010).
 
 Frames are stored at the start of a step and transported to each trial point from there, never
-chained over Newton iterates: a rejected step leaves no trace. The first directors at rest follow
-a fixed rule (t x y, then parallel transport in edge order), so that results do not depend on chance.
+chained over Newton iterates: a rejected step leaves no trace.
 """
 
 from __future__ import annotations
@@ -129,7 +128,7 @@ class RodFrames:
         angles: Angle DOFs, shape (E,).
         joint_edges: Edge pairs of the joints, shape (J, 2).
         joint_signs: -1 where a joint walks its edge backwards, shape (J, 2).
-        directors: First directors given by the user, NaN rows where the rule applies, (E, 3).
+        directors: First directors at rest, made unit and normal to the edges before use, shape (3, E).
         driver: Runs the two kernels.
     """
 
@@ -142,10 +141,10 @@ class RodFrames:
     driver: Driver
 
     def rest(self, q: FloatArray) -> FrameState:
-        """Frames of the rest shape: rule or user's director, reference twist against zero."""
+        """Frames of the rest shape: the directors made normal, reference twist against zero."""
         e = q[self.heads] - q[self.tails]
         tangent = e / np.sqrt((e * e).sum(axis=0))
-        director = np.ascontiguousarray(space_parallel(tangent.T, self.directors).T)
+        director = orthonormal_to(self.directors, tangent)
         return FrameState(
             tangent, director, self._reference_twist(tangent, director, np.zeros(len(self.joint_edges)))
         )
@@ -176,37 +175,3 @@ class RodFrames:
         inputs[12] = stored
         beta: FloatArray = self.driver.map(joint_reference_twist, inputs, 1)[0]
         return beta
-
-
-def space_parallel(tangents: FloatArray, given: FloatArray) -> FloatArray:
-    """First directors at rest: parallel transport along the edge order.
-
-    The start is t x y (t x -z where that vanishes); a row of ``given`` restarts the transport.
-
-    Args:
-        tangents: Unit tangents, shape (E, 3).
-        given: Directors to start from, NaN rows where there is none, shape (E, 3).
-
-    Returns:
-        Unit directors normal to the tangents, shape (E, 3).
-    """
-    out = np.empty_like(tangents)
-    previous: tuple[FloatArray, FloatArray] | None = None
-    for i, t in enumerate(tangents):
-        if np.isfinite(given[i, 0]):
-            a = given[i]
-        elif previous is None:
-            a = np.cross(t, (0.0, 1.0, 0.0))
-            if np.linalg.norm(a) < 1e-6:
-                a = np.cross(t, (0.0, 0.0, -1.0))
-        else:
-            t0, a0 = previous
-            # antiparallel neighbours define no rotation: any normal director is as good
-            a = (
-                a0
-                if np.linalg.norm(np.cross(t0, t)) < 1e-10
-                else np.array(parallel_transport(tuple(a0), tuple(t0), tuple(t)))
-            )
-        out[i] = orthonormal_to(tuple(a), tuple(t))
-        previous = (t, out[i])
-    return out
