@@ -243,17 +243,3 @@ def _spin(s: Any, a: Any) -> Any:
 def spin(s: Any, a: Vector) -> Block:
     """Return s I + the matrix of a x, nine entries by rows."""
     return (s, -a[2], a[1], a[2], s, -a[0], -a[1], a[0], s)
-
-
-def _skew(a: Any) -> Any:
-    out = np.zeros((9, a.shape[1]))
-    out[1], out[2], out[5] = -a[2], a[1], -a[0]
-    out[3], out[6], out[7] = a[2], -a[1], a[0]
-    return out
-
-
-@operation(_skew)
-def skew(a: Vector) -> Block:
-    """Return the matrix of a x, nine entries by rows."""
-    zero = 0.0 * a[0]
-    return (zero, -a[2], a[1], a[2], zero, -a[0], -a[1], a[0], zero)
