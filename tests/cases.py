@@ -229,14 +229,11 @@ def framed_rod(
     rest = np.concatenate((nodes.reshape(-1), np.zeros(n_edges)))
     stored = frames.rest(rest)
     auxiliary = frames.transport(stored, rest).auxiliary
-    m1, m2 = auxiliary[: 6 * n_edges].reshape(2, 3, n_edges).transpose(0, 2, 1)
-    kappa = material_curvatures(nodes[triples], m1[pairs], signs[:, :, None] * m2[pairs])
+    places = frames.director_places(pairs)
+    m1, m2 = np.moveaxis(auxiliary[places].reshape(count, 2, 2, 3), 2, 0)
+    kappa = material_curvatures(nodes[triples], m1, signs[:, :, None] * m2)
     voronoi = lengths[pairs].mean(axis=1)
     joint_dofs = np.concatenate((dofs.of_nodes(triples).reshape(count, 9), dofs.of_angles(pairs)), axis=1)
-    # auxiliary array: m1 and m2 of all edges by component, then the reference twists
-    director_of = [
-        k * 3 * n_edges + i * n_edges + pairs[:, j] for j in (0, 1) for k in (0, 1) for i in range(3)
-    ]
     terms: tuple[Term, ...] = (
         _energy(
             "stretch",
@@ -262,7 +259,7 @@ def framed_rod(
                 0.0,
                 count=count,
             ),
-            np.stack((*director_of, 6 * n_edges + np.arange(count)), axis=1),
+            np.column_stack((places.reshape(count, 12), frames.twist_places(np.arange(count)))),
         ),
     )
     return _assemble(dofs, nodes, edges, rod, terms, frames, driver)

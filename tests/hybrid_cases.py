@@ -9,6 +9,7 @@ from cases import NUMPY, UNEQUAL, framed_rod
 
 from dismech_cli.arrays import FloatArray, IntArray
 from dismech_cli.energies.rod_shell import rod_shell_terms
+from dismech_cli.model.frames import RodFrames
 from dismech_cli.model.model import Model
 from dismech_cli.model.stencil import StencilEnergy
 
@@ -45,7 +46,8 @@ def hybrid(toward: bool, nodes: FloatArray = NODES, faces: IntArray = FACES) -> 
     """
     edges = np.array([[0, 1] if toward else [1, 0], [1, 2], [1, 3], [2, 4], [3, 4]])
     model = framed_rod(nodes, edges, UNEQUAL, driver=NUMPY)
-    places = np.arange(6)[None].repeat(2, axis=0) * len(edges)
+    assert isinstance(model.frames, RodFrames)
+    places = model.frames.director_places(np.zeros(2, dtype=np.int64))
     rest = model.frames.transport(model.frames.rest(model.rest), model.rest).auxiliary
     on, beside = rod_shell_terms(
         "weld",

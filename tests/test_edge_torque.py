@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,7 @@ from dismech_cli.forces.edge_torque import EdgeTorque
 from dismech_cli.forces.moment import EdgeMoment
 from dismech_cli.mesh.generate_shell import hemisphere
 from dismech_cli.model.laws import Constant
+from dismech_cli.model.shell_frames import ShellFrames
 
 __all__ = ["ran", "refused", "write"]
 
@@ -30,14 +32,14 @@ def cap() -> Shell:
 
 
 def torque(made: Shell) -> EdgeTorque:
+    assert isinstance(made.model.frames, ShellFrames)
     dofs, ends = made.model.dofs, made.topology.edges[EDGES]
     return EdgeTorque(
         "torque",
         dofs.of_nodes(ends[:, 0]),
         dofs.of_nodes(ends[:, 1]),
         dofs.of_normals(EDGES),
-        EDGES,
-        dofs.n_normals,
+        made.model.frames.edge_places(EDGES)[:, :3],
         MOMENTS,
         Constant(1.4),
     )
@@ -52,6 +54,15 @@ def couple(made: Shell) -> EdgeMoment:
 def test_derivative(cap: Shell) -> None:
     """Far from where the frames are stored: the transport of the normals is differentiated too."""
     check(torque(cap), cap)
+
+
+def test_more_auxiliary_inputs_change_nothing(cap: Shell) -> None:
+    """It knows the places of its own inputs, whatever comes behind them."""
+    q, _ = disturbed(cap, 3)
+    c = state(cap, q, np.zeros_like(q))
+    more = replace(c.frames, auxiliary=np.append(c.frames.auxiliary, [1.0, 2.0]))
+    probe = Probe.of(torque(cap), cap.model, NUMPY)
+    assert np.array_equal(probe.residual(replace(c, frames=more)), probe.residual(c))
 
 
 def rotated(x: FloatArray, axis: FloatArray, angle: float) -> FloatArray:

@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose
 
 from dismech_cli.arrays import FloatArray
 from dismech_cli.geometry.rotation import parallel_transport, rotate_about, signed_angle
-from dismech_cli.model.frames import FrameState
+from dismech_cli.model.frames import FrameState, RodFrames
 
 
 def unit(x: FloatArray) -> FloatArray:
@@ -151,6 +151,23 @@ def test_material_twist_of_a_hundred_turns() -> None:
     c = configuration(model, q, np.zeros_like(q), model.frames.rest(model.rest))
     energy = Probe.of(energy_of(model, "bend_twist"), model, NUMPY).energy(c)
     assert_allclose(energy, 0.5 * UNEQUAL.torsional * (200.0 * np.pi) ** 2, rtol=1e-13)
+
+
+def test_places_of_the_auxiliary_array() -> None:
+    """Directors that theta has turned and the reference twists, each number in one place."""
+    nodes, edges = y_network()
+    model = framed_rod(nodes, edges, UNEQUAL)
+    frames = model.frames
+    assert isinstance(frames, RodFrames)
+    theta, joints = np.linspace(-2.0, 2.0, len(edges)), np.arange(len(frames.joint_edges))
+    trial = frames.transport(frames.rest(model.rest), np.concatenate((nodes.reshape(-1), theta)))
+    directors, twists = frames.director_places(np.arange(len(edges))), frames.twist_places(joints)
+    t, a1 = trial.state.tangent.T, trial.state.director.T
+    a2, c, s = np.cross(t, a1), np.cos(theta)[:, None], np.sin(theta)[:, None]
+    assert_allclose(trial.auxiliary[directors], np.hstack((c * a1 + s * a2, c * a2 - s * a1)), atol=1e-15)
+    assert np.array_equal(trial.auxiliary[twists], trial.state.reference_twist)
+    assert np.array_equal(np.sort(np.concatenate((directors.reshape(-1), twists))), np.arange(frames.size))
+    assert len(trial.auxiliary) == frames.size
 
 
 def test_rejected_trials_leave_no_trace() -> None:

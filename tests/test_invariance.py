@@ -97,7 +97,8 @@ def test_rigid_motion_in_time(name: str) -> None:
         new = moved(model, state, turn, np.array([0.01, 0.0, 0.02]))
         if n:
             old = model.frames.transport(stored, state)
-            material = turn @ old.auxiliary[: 3 * n].reshape(3, n)
+            places = model.frames.director_places(np.arange(n))[:, :3]
+            material = turn @ old.auxiliary[places].T
             a1 = model.frames.transport(stored, new).state.director
             tangent = model.frames.transport(stored, new).state.tangent
             angle = np.arctan2(

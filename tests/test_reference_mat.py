@@ -77,7 +77,8 @@ def test_stretch_of_the_cantilever() -> None:
 def test_bending_of_the_cantilever(state: str) -> None:
     """The reference's own directors, bent state."""
     data, model = reference(f"rod_bend_{state}"), cantilever()
-    auxiliary = np.concatenate((data["m1"].T.reshape(-1), data["m2"].T.reshape(-1), np.zeros(49)))
+    auxiliary = np.zeros(model.frames.size)
+    auxiliary[model.frames.director_places(np.arange(50))] = np.hstack((data["m1"], data["m2"]))
     nothing = FrameState(np.empty((3, 0)), np.empty((3, 0)), np.empty(0))
     c = Configuration(0.0, data["q"], np.zeros_like(data["q"]), TrialFrames(nothing, auxiliary))
     assert np.abs(data["force"]).max() > 0.01

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import ClassVar
 
 import numpy as np
 import pytest
@@ -14,9 +15,11 @@ from test_shell_energies import configured, disturbed, relaxed, stored_at
 from dismech_cli.arrays import FloatArray
 from dismech_cli.forces.load import DeadLoad
 from dismech_cli.mesh.generate_shell import Pattern, hemisphere, sheet
+from dismech_cli.model.frames import FrameState, NoFrames, TrialFrames
 from dismech_cli.model.laws import Constant, Ramp
 from dismech_cli.model.model import Model
 from dismech_cli.model.motion import Motion
+from dismech_cli.model.shell_frames import ShellFrames
 from dismech_cli.solve.integrators import GeneralizedAlpha, Static
 from dismech_cli.solve.newton import NewtonSettings
 from dismech_cli.solve.status import Status
@@ -35,6 +38,32 @@ def turned(made: Shell, q: FloatArray, angle: float) -> FloatArray:
     out = q.copy()
     out[:split] = (q[:split].reshape(-1, 3) @ about_x(angle).T).reshape(-1)
     return out
+
+
+@dataclass(frozen=True)
+class Three(NoFrames):
+    """Frames of rods with three inputs."""
+
+    size: ClassVar[int] = 3
+
+    def transport(self, stored: FrameState, q: FloatArray) -> TrialFrames:
+        return TrialFrames(super().rest(q), np.array([7.0, 8.0, 9.0]))
+
+
+def test_places_of_the_auxiliary_array() -> None:
+    """Behind those of the rods, each number of the stored normals in one place."""
+    made = shell(CAP, "midedge")
+    assert isinstance(made.model.frames, ShellFrames)
+    frames = replace(made.model.frames, rods=Three())
+    q = disturbed(made, 0.1)
+    stored = replace(frames.rest(made.model.rest), edge_angle=np.linspace(-1.0, 1.0, len(frames.angles)))
+    auxiliary = frames.transport(stored, q).auxiliary
+    places = frames.edge_places(np.arange(len(frames.angles)))
+    assert np.array_equal(auxiliary[places[:, 0:3]], stored.edge_tangent.T)
+    assert np.array_equal(auxiliary[places[:, 3:6]], stored.edge_normal.T)
+    assert np.array_equal(auxiliary[places[:, 6]], stored.edge_angle)
+    assert np.array_equal(np.sort(places, axis=None), np.arange(3, frames.size))
+    assert len(auxiliary) == frames.size
 
 
 def test_a_turned_bell_stays_free_of_stress() -> None:

@@ -79,16 +79,14 @@ def build(
     numbering = number_dofs(geometry, plan, skeleton, free)
     dofs = numbering.dofs
     rods = build_rods(loaded, geometry, plan, skeleton, numbering, driver)
-    shells = build_shells(
-        geometry, numbering, free, rods.frames, rods.auxiliaries, skeleton.positions, driver
-    )
+    shells = build_shells(geometry, numbering, free, rods.frames, skeleton.positions, driver)
     elastic = (
         *build_rod_elastic(loaded, geometry, plan, skeleton, rods, laws),
         *build_shell_welds(loaded, geometry, skeleton, numbering, rods),
         *build_shell_elastic(loaded, geometry, free, shells, laws),
     )
     payload = point_masses(loaded, geometry, dofs.n_nodes)
-    forces = build_forces(Setting(loaded, geometry, free, dofs, payload, laws))
+    forces = build_forces(Setting(loaded, geometry, free, shells.normals, dofs, payload, laws))
     sides = [edge_lengths(geometry.nodes, topology.edges) for topology in free.topologies.values()]
     model = Model(
         dofs=dofs,

@@ -12,6 +12,7 @@ from ..forces.gravity import weight
 from ..forces.load import DeadLoad
 from ..model.dofs import DofMap
 from ..model.laws import Law
+from ..model.shell_frames import ShellFrames
 from ..scenario.force import Force
 from ..scenario.load import LoadedScenario
 from .geometry import Geometry
@@ -28,6 +29,7 @@ class Setting:
         loaded: The scenario.
         geometry: The bodies.
         free: Shell edges with free normals.
+        normals: Frames of those normals, or None.
         dofs: Numbering.
         payload: Point mass of each node [kg], shape (n_nodes,).
         laws: Laws of time from those of the scenario.
@@ -36,6 +38,7 @@ class Setting:
     loaded: LoadedScenario
     geometry: Geometry
     free: ShellEdges
+    normals: ShellFrames | None
     dofs: DofMap
     payload: FloatArray
     laws: ToLaw

@@ -36,7 +36,6 @@ class RodSystem:
 
     Attributes:
         frames: Frames, or their absence.
-        auxiliaries: Length of the auxiliary array of the frames.
         stretch: Stretching energy of the geometry's edges, or None without rods.
         bending: Bending energy of the joints, with that of twisting where rods are framed; None
             without joints.
@@ -47,7 +46,6 @@ class RodSystem:
     """
 
     frames: Frames
-    auxiliaries: int
     stretch: StencilEnergy | None
     bending: StencilEnergy | None
     bending_stiffness: FloatArray
@@ -71,7 +69,6 @@ def build_rods(
     if plan.bending is Bending.NONE:
         return RodSystem(
             NoFrames(),
-            0,
             None,
             None,
             np.empty((2, 0)),
@@ -79,43 +76,30 @@ def build_rods(
             np.empty((0, 12), dtype=np.int64),
         )
     dofs, rest = numbering.dofs, numbering.rest
-    framed = plan.bending is Bending.FRAMED
-    n_edges = dofs.n_angles
+    joints = skeleton.joints
     given = _given_directors(loaded, geometry, skeleton)
     in_plane = np.zeros((len(geometry.rods), 2), dtype=np.int64)
-    if plan.bending is Bending.PLANAR:
-        in_plane = _in_plane(loaded, geometry, plan, _directors(skeleton, given))
-    joints = skeleton.joints
-    frames: Frames = NoFrames()
-    if framed:
-        directors = _directors(skeleton, given)
-        frames = RodFrames(
-            np.ascontiguousarray(dofs.of_nodes(skeleton.edges[:, 0]).T),
-            np.ascontiguousarray(dofs.of_nodes(skeleton.edges[:, 1]).T),
-            dofs.of_angles(np.arange(n_edges)),
-            joints.pairs,
-            joints.signs,
-            np.concatenate((directors, directors[:, skeleton.owners]), axis=1),
-            driver,
-        )
     stiffness = np.stack([_in_series(geometry, skeleton, name) for name in ("bending_1", "bending_2")])
+    frames: Frames = NoFrames()
     bending, places = None, np.empty((0, 12), dtype=np.int64)
-    if len(joints.triples):
-        if plan.bending is Bending.PLANAR:
+    if plan.bending is Bending.FRAMED:
+        frames = turning = _rod_frames(skeleton, dofs, _directors(skeleton, given), driver)
+        if len(joints.triples):
+            bending, places = _framed(loaded, geometry, skeleton, dofs, rest, stiffness, turning)
+    elif plan.bending is Bending.PLANAR:
+        in_plane = _in_plane(loaded, geometry, plan, _directors(skeleton, given))
+        if len(joints.triples):
             bending = _planar(loaded, geometry, skeleton, dofs, rest, stiffness, in_plane)
-        elif plan.bending is Bending.ISOTROPIC:
-            bending = StencilEnergy(
-                "bending",
-                BEND_ISOTROPIC,
-                _node_dofs(dofs, joints.triples),
-                np.stack((stiffness[0], joints.voronoi)),
-                no_auxiliaries(len(joints.triples)),
-            )
-        else:
-            bending, places = _framed(loaded, geometry, skeleton, dofs, rest, stiffness, frames, n_edges)
+    elif len(joints.triples):
+        bending = StencilEnergy(
+            "bending",
+            BEND_ISOTROPIC,
+            _node_dofs(dofs, joints.triples),
+            np.stack((stiffness[0], joints.voronoi)),
+            no_auxiliaries(len(joints.triples)),
+        )
     return RodSystem(
         frames,
-        6 * n_edges + len(joints.pairs) if framed else 0,
         _stretch(loaded, geometry, skeleton, dofs),
         bending,
         stiffness,
@@ -176,6 +160,19 @@ def _stretch(loaded: LoadedScenario, geometry: Geometry, skeleton: Skeleton, dof
         _node_dofs(dofs, edges),
         np.stack((natural, geometry.per_edge("axial"), rest)),
         no_auxiliaries(len(edges)),
+    )
+
+
+def _rod_frames(skeleton: Skeleton, dofs: DofMap, directors: FloatArray, driver: Driver) -> RodFrames:
+    """Frames of all edges: a wall has the director of its rod."""
+    return RodFrames(
+        np.ascontiguousarray(dofs.of_nodes(skeleton.edges[:, 0]).T),
+        np.ascontiguousarray(dofs.of_nodes(skeleton.edges[:, 1]).T),
+        dofs.of_angles(np.arange(len(skeleton.edges))),
+        skeleton.joints.pairs,
+        skeleton.joints.signs,
+        np.concatenate((directors, directors[:, skeleton.owners]), axis=1),
+        driver,
     )
 
 
@@ -269,19 +266,10 @@ def _framed(
     dofs: DofMap,
     rest: FloatArray,
     stiffness: FloatArray,
-    frames: Frames,
-    n_edges: int,
+    frames: RodFrames,
 ) -> tuple[StencilEnergy, IntArray]:
     j = skeleton.joints
-    places = np.stack(
-        [
-            k * 3 * n_edges + c * n_edges + j.pairs[:, side]
-            for side in (0, 1)
-            for k in (0, 1)
-            for c in range(3)
-        ],
-        axis=1,
-    )
+    places = frames.director_places(j.pairs).reshape(-1, 12)
     trial = frames.transport(frames.rest(rest), rest)
     rest_twist = trial.state.reference_twist
     curvature = material_curvatures(
@@ -312,6 +300,6 @@ def _framed(
                 np.sin(rest_twist),
             )
         ),
-        np.column_stack((places, 6 * n_edges + np.arange(len(j.pairs)))),
+        np.column_stack((places, frames.twist_places(np.arange(len(j.pairs))))),
     )
     return energy, places

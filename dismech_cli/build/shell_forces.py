@@ -116,6 +116,8 @@ def line_moment(setting: Setting, place: Place, force: LineMoment) -> Iterator[T
     edges = np.flatnonzero(np.isin(free.edges, nodes).all(axis=1))
     if edges.size == 0:
         raise setting.loaded.error(place.key("where"), "selects no edge of a shell with mid-edge bending")
+    assert setting.normals is not None
+    stored = setting.normals.edge_places(edges)[:, :3]
     tails, heads = (dofs.of_nodes(free.edges[edges, k]) for k in (0, 1))
     lengths = edge_lengths(setting.geometry.nodes, free.edges[edges])
     for axis, law in enumerate(components(force.moment_per_length, setting.laws)):
@@ -126,9 +128,7 @@ def line_moment(setting: Setting, place: Place, force: LineMoment) -> Iterator[T
         label = f"{place.name}.{'xyz'[axis]}"
         across = np.empty(0, dtype=np.int64)
         yield EdgeMoment(f"{label}.couple", tails, heads, across, dofs.axes, moments, law)
-        yield EdgeTorque(
-            f"{label}.torque", tails, heads, dofs.of_normals(edges), edges, dofs.n_normals, moments, law
-        )
+        yield EdgeTorque(f"{label}.torque", tails, heads, dofs.of_normals(edges), stored, moments, law)
 
 
 def _nodal_areas(setting: Setting, names: Sequence[str] | None) -> FloatArray:

@@ -11,6 +11,7 @@ import numpy as np
 
 from ..arrays import FloatArray, IntArray
 from ..energies.rod_shell import rod_shell_terms
+from ..model.frames import RodFrames
 from ..model.stencil import StencilEnergy
 from ..scenario.joint import RigidJoint
 from ..scenario.load import LoadedScenario
@@ -47,8 +48,8 @@ def build_shell_welds(
     counts = [len(found) for found in faces]
     edge = np.repeat([weld.edge for weld in geometry.shell_welds], counts)
     node = np.repeat([weld.node for weld in geometry.shell_welds], counts)
-    place = np.arange(6) // 3 * 3 * len(skeleton.edges) + np.arange(6) % 3 * len(skeleton.edges)
-    places = place + edge[:, None]
+    assert isinstance(rods.frames, RodFrames)
+    places = rods.frames.director_places(edge)
     rest = rods.frames.transport(rods.frames.rest(numbering.rest), numbering.rest)
     return rod_shell_terms(
         "welds",

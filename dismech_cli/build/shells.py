@@ -24,11 +24,13 @@ class ShellSystem:
 
     Attributes:
         frames: Frames of the whole scene.
+        normals: Those of them that carry the free mid-edge normals, or None.
         membrane: Stretching energy of each shell by its name.
         bending: Bending energy of each shell by its name.
     """
 
     frames: Frames
+    normals: ShellFrames | None
     membrane: Mapping[str, StencilEnergy]
     bending: Mapping[str, StencilEnergy]
 
@@ -38,7 +40,6 @@ def build_shells(
     numbering: Numbering,
     free: ShellEdges,
     rod_frames: Frames,
-    offset: int,
     positions: FloatArray,
     driver: Driver,
 ) -> ShellSystem:
@@ -49,7 +50,6 @@ def build_shells(
         numbering: DOFs.
         free: Edges of the shells, and those with a free normal.
         rod_frames: Frames of the rods, or their absence.
-        offset: Length of the rods' auxiliary array.
         positions: Rest positions of all nodes with DOFs [m], shape (n_nodes, 3).
         driver: Runs the kernels.
     """
@@ -58,7 +58,7 @@ def build_shells(
     normals: ShellFrames | None = None
     if len(free.edges):
         frames = normals = ShellFrames.of(
-            dofs, rod_frames, offset, free.edges, free.edge_faces, free.triangles, driver
+            dofs, rod_frames, free.edges, free.edge_faces, free.triangles, driver
         )
     membrane: dict[str, StencilEnergy] = {}
     bending: dict[str, StencilEnergy] = {}
@@ -76,7 +76,7 @@ def build_shells(
         membrane[shell.name] = MEMBRANES[shell.membrane](parts)
         bent = bending_of(shell).term(parts)
         bending[shell.name] = _flattened(bent) if shell.natural.shape == "flat" else bent
-    return ShellSystem(frames, membrane, bending)
+    return ShellSystem(frames, normals, membrane, bending)
 
 
 def _flattened(energy: StencilEnergy) -> StencilEnergy:

@@ -237,5 +237,5 @@ def midedge_term(
         MIDEDGE,
         np.concatenate((dofs.of_nodes(triangles).reshape(count, -1), dofs.of_normals(face_edges)), axis=1),
         np.concatenate((natural, stiffness, signs)),
-        frames.auxiliaries(face_edges),
+        frames.edge_places(face_edges).reshape(count, -1),
     )

@@ -33,8 +33,7 @@ class EdgeTorque:
         tails: Position DOFs of the tails, shape (K, 3).
         heads: Position DOFs of the heads, shape (K, 3).
         angles: DOFs xi, shape (K,).
-        edges: Numbers of the edges among those with free normals, shape (K,).
-        n_normals: Number of edges with free normals.
+        stored: Places of the stored tangents in the auxiliary array of the frames, shape (K, 3).
         moments: Moment on each edge at unit scale [N m], shape (K, 3).
         law: Scale over time [1].
     """
@@ -43,8 +42,7 @@ class EdgeTorque:
     tails: IntArray
     heads: IntArray
     angles: IntArray
-    edges: IntArray
-    n_normals: int
+    stored: IntArray
     moments: FloatArray
     law: Law
 
@@ -70,9 +68,7 @@ class EdgeTorque:
     def _evaluate(self, c: Configuration) -> tuple[FloatArray, FloatArray]:
         moment = float(self.law(c.t)) * self.moments
         v = c.q[self.heads] - c.q[self.tails]
-        # the last seven rows of the auxiliary array: stored tangents, normals and angles
-        stored = c.frames.auxiliary[len(c.frames.auxiliary) - 7 * self.n_normals :]
-        d = stored.reshape(7, self.n_normals)[:3, self.edges].T
+        d = c.frames.auxiliary[self.stored]
         length = np.sqrt((v * v).sum(axis=1))[:, None]
         t = v / length
         along = (d * v).sum(axis=1)[:, None]

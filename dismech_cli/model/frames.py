@@ -7,7 +7,7 @@ chained over Newton iterates: a rejected step leaves no trace.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 
@@ -53,8 +53,7 @@ class TrialFrames:
 
     Attributes:
         state: What an accepted step will store.
-        auxiliary: ``[m1 (3E) | m2 (3E) | reference twist (J)]`` flat, each director by component:
-            the inputs of bending and twist kernels.
+        auxiliary: Inputs of kernels, shape (size,); the frames that made it know what is where.
     """
 
     state: FrameState
@@ -63,6 +62,10 @@ class TrialFrames:
 
 class Frames(Protocol):
     """Kinematics of frames."""
+
+    @property
+    def size(self) -> int:
+        """Length of the auxiliary array."""
 
     def rest(self, q: FloatArray) -> FrameState:
         """Frames of the rest shape."""
@@ -77,6 +80,8 @@ _NO_FRAMES = TrialFrames(_NOTHING, np.empty(0))
 
 class NoFrames:
     """For scenes without framed rods: nothing to carry, nothing to transport."""
+
+    size: ClassVar[int] = 0
 
     def rest(self, q: FloatArray) -> FrameState:
         """Return the empty frames."""
@@ -122,6 +127,8 @@ def joint_reference_twist(x: Any) -> Any:
 class RodFrames:
     """Frames of the edges that carry an angle.
 
+    The auxiliary array holds m1 and m2 of all edges by component, then the reference twists.
+
     Attributes:
         tails: Position DOFs of the first node of each edge, shape (3, E).
         heads: Position DOFs of the second node, shape (3, E).
@@ -139,6 +146,19 @@ class RodFrames:
     joint_signs: FloatArray
     directors: FloatArray
     driver: Driver
+
+    @property
+    def size(self) -> int:
+        """Length of the auxiliary array."""
+        return 6 * len(self.angles) + len(self.joint_edges)
+
+    def director_places(self, edges: IntArray) -> IntArray:
+        """Places of m1 (3) and m2 (3) of each edge in the auxiliary array, shape (..., 6)."""
+        return edges[..., None] + np.arange(6) * len(self.angles)
+
+    def twist_places(self, joints: IntArray) -> IntArray:
+        """Places of the reference twist of each joint in the auxiliary array, shape (...)."""
+        return 6 * len(self.angles) + joints
 
     def rest(self, q: FloatArray) -> FrameState:
         """Frames of the rest shape: the directors made normal, reference twist against zero."""

@@ -21,9 +21,11 @@ from .frames import Frames, FrameState, TrialFrames, edge_frame
 class ShellFrames:
     """Frames of a scene with free mid-edge normals: those of its rods, then those of its shells.
 
+    The auxiliary array is that of the rods, then the stored tangents and normals of all shell edges by
+    component, then their stored angles.
+
     Attributes:
         rods: Frames of the rods, or ``NoFrames()``.
-        offset: Length of the rods' auxiliary array.
         tails: Position DOFs of the first node of each shell edge, shape (3, B).
         heads: Position DOFs of the second node, shape (3, B).
         angles: DOFs xi, shape (B,).
@@ -33,7 +35,6 @@ class ShellFrames:
     """
 
     rods: Frames
-    offset: int
     tails: IntArray
     heads: IntArray
     angles: IntArray
@@ -45,7 +46,6 @@ class ShellFrames:
         cls,
         dofs: DofMap,
         rods: Frames,
-        offset: int,
         edges: IntArray,
         edge_faces: IntArray,
         triangles: IntArray,
@@ -56,7 +56,6 @@ class ShellFrames:
         Args:
             dofs: Numbering; carries one xi for each shell edge.
             rods: Frames of the rods, or ``NoFrames()``.
-            offset: Length of the rods' auxiliary array: 6 E + J with E framed edges and J joints.
             edges: Shell edges, shape (B, 2).
             edge_faces: Triangles at each edge, -1 where there is no second, shape (B, 2).
             triangles: Shape (T, 3).
@@ -65,13 +64,21 @@ class ShellFrames:
         faces = np.where(edge_faces >= 0, edge_faces, edge_faces[:, :1])
         return cls(
             rods,
-            offset,
             np.ascontiguousarray(dofs.of_nodes(edges[:, 0]).T),
             np.ascontiguousarray(dofs.of_nodes(edges[:, 1]).T),
             dofs.of_normals(np.arange(len(edges))),
             dofs.of_nodes(triangles[faces]),
             driver,
         )
+
+    @property
+    def size(self) -> int:
+        """Length of the auxiliary array."""
+        return self.rods.size + 7 * len(self.angles)
+
+    def edge_places(self, edges: IntArray) -> IntArray:
+        """Places of the stored tangent (3), normal (3) and xi of each shell edge, shape (..., 7)."""
+        return self.rods.size + edges[..., None] + np.arange(7) * len(self.angles)
 
     def rest(self, q: FloatArray) -> FrameState:
         """Normals of the rest shape: the mean of the two faces, and their angles."""
@@ -104,16 +111,6 @@ class ShellFrames:
             )
         )
         return TrialFrames(state, auxiliary)
-
-    def auxiliaries(self, face_edges: IntArray) -> IntArray:
-        """Indices of the inputs of each triangle: tangent, normal, xi of its edges, shape (T, 21).
-
-        Args:
-            face_edges: Shell edge opposite each corner, shape (T, 3).
-        """
-        count = len(self.angles)
-        rows = self.offset + np.arange(7) * count
-        return (face_edges[:, :, None] + rows).reshape(len(face_edges), 21)
 
     def mean_normals(self, q: FloatArray) -> FloatArray:
         """Unit normals halfway between the faces of each edge, shape (3, B)."""
