@@ -8,7 +8,7 @@ import numpy as np
 
 from dismech_cli.arrays import FloatArray
 from dismech_cli.model.dofs import DofMap
-from dismech_cli.model.term import Coupling
+from dismech_cli.model.linearization import Coupling
 from dismech_cli.solve.pattern import SparsityPattern
 from dismech_cli.solve.solvers import LINEAR_SOLVERS, choose_solver
 

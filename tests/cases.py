@@ -23,13 +23,14 @@ from dismech_cli.model.directors import space_parallel
 from dismech_cli.model.dofs import DofMap
 from dismech_cli.model.driver import Driver
 from dismech_cli.model.frames import Frames, FrameState, NoFrames, RodFrames
+from dismech_cli.model.kernels import Kernel
 from dismech_cli.model.laws import Constant, Law
 from dismech_cli.model.mass import rod_mass
 from dismech_cli.model.model import Model
 from dismech_cli.model.motion import Motion
 from dismech_cli.model.numpy_driver import NumpyDriver
 from dismech_cli.model.sections import RodProperties, rod_properties, round_section
-from dismech_cli.model.stencil import Kernel, StencilEnergy, no_auxiliaries
+from dismech_cli.model.stencil import StencilEnergy, no_auxiliaries
 from dismech_cli.model.term import Term
 
 NUMPY = NumpyDriver()

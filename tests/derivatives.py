@@ -13,9 +13,11 @@ from order import assert_remainder
 from dismech_cli.arrays import FloatArray
 from dismech_cli.model.configuration import Configuration
 from dismech_cli.model.driver import Driver
+from dismech_cli.model.kernels import Kernel
+from dismech_cli.model.linearization import Linearization
 from dismech_cli.model.model import Model
-from dismech_cli.model.stencil import Kernel, StencilEnergy
-from dismech_cli.model.term import BoundEnergy, BoundTerm, Linearization, Term
+from dismech_cli.model.stencil import StencilEnergy
+from dismech_cli.model.term import BoundEnergy, BoundTerm, Term
 from dismech_cli.solve.pattern import SparsityPattern
 
 _EPS = float(np.finfo(np.float64).eps)

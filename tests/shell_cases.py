@@ -141,7 +141,7 @@ def linear_solution(made: Shell, free: BoolArray, force: FloatArray) -> FloatArr
     from scipy.sparse.linalg import spsolve
 
     from dismech_cli.model.configuration import Configuration
-    from dismech_cli.model.term import Linearization
+    from dismech_cli.model.linearization import Linearization
     from dismech_cli.solve.pattern import SparsityPattern
 
     model = made.model

@@ -30,8 +30,9 @@ from dismech_cli.energies.bend_isotropic import BEND_ISOTROPIC
 from dismech_cli.energies.bend_planar import BEND_PLANAR
 from dismech_cli.energies.bend_twist import BEND_TWIST
 from dismech_cli.energies.stretch import STRETCH, STRETCH_PLANAR
+from dismech_cli.model.kernels import Kernel
 from dismech_cli.model.model import Model
-from dismech_cli.model.stencil import Kernel, StencilEnergy
+from dismech_cli.model.stencil import StencilEnergy
 
 CASES = {name: case for name, case in term_cases().items() if isinstance(case.term, StencilEnergy)}
 

@@ -10,8 +10,8 @@ from numpy.testing import assert_allclose
 
 from dismech_cli.arrays import FloatArray
 from dismech_cli.model.dofs import DofMap
+from dismech_cli.model.linearization import Coupling, Linearization
 from dismech_cli.model.model import Model
-from dismech_cli.model.term import Coupling, Linearization
 from dismech_cli.solve.inertia import _from_dense, _from_superlu, negative_eigenvalues_on
 from dismech_cli.solve.linear import BandedSolver, FactorizationError, solve_updated
 from dismech_cli.solve.pardiso import InertiaCounter, pardiso_available

@@ -21,9 +21,9 @@ from numpy.testing import assert_array_equal
 
 from dismech_cli.arrays import BoolArray
 from dismech_cli.model.dofs import DofMap
+from dismech_cli.model.linearization import Coupling
 from dismech_cli.model.model import Model
 from dismech_cli.model.motion import held_dofs
-from dismech_cli.model.term import Coupling
 from dismech_cli.solve.pattern import SparsityPattern
 
 

@@ -15,8 +15,8 @@ from test_linear import SOLVERS, system
 
 from dismech_cli.build.build import build
 from dismech_cli.mesh.generate_shell import sheet
+from dismech_cli.model.linearization import Linearization
 from dismech_cli.model.projection import ProjectedDriver, clamped
-from dismech_cli.model.term import Linearization
 from dismech_cli.run.simulation import Simulation
 from dismech_cli.scenario.load import load
 from dismech_cli.solve.pattern import SparsityPattern

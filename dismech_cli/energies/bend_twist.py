@@ -44,7 +44,7 @@ from ..geometry.vectors import (
     sub,
     sym_outer,
 )
-from ..model.stencil import Kernel
+from ..model.kernels import Kernel
 
 
 @kernel

@@ -17,7 +17,8 @@ from ..geometry.kernel import kernel
 from ..geometry.triangle import azimuth_gradient, azimuth_hessian, dihedral_angle, fold, nearest_turn
 from ..geometry.vectors import combine, outer, scale, sym_outer
 from ..model.dofs import DofMap
-from ..model.stencil import Kernel, StencilEnergy, no_auxiliaries
+from ..model.kernels import Kernel
+from ..model.stencil import StencilEnergy, no_auxiliaries
 
 
 @kernel

@@ -38,9 +38,10 @@ from ..geometry.vectors import (
     sym_outer,
 )
 from ..model.dofs import DofMap
+from ..model.kernels import Kernel
 from ..model.shell import bending_stiffness
 from ..model.shell_frames import ShellFrames
-from ..model.stencil import Kernel, StencilEnergy
+from ..model.stencil import StencilEnergy
 
 
 @kernel

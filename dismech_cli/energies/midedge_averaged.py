@@ -21,8 +21,9 @@ from ..geometry.kernel import kernel
 from ..geometry.triangle import azimuth_gradient, azimuth_hessian, dihedral_angle, fold, nearest_turn, side
 from ..geometry.vectors import add, combine, cross, norm, outer, scale, sub, sym_outer
 from ..model.dofs import DofMap
+from ..model.kernels import Kernel
 from ..model.shell import bending_stiffness
-from ..model.stencil import Kernel, StencilEnergy, no_auxiliaries
+from ..model.stencil import StencilEnergy, no_auxiliaries
 from .midedge import face_turning
 
 

@@ -36,7 +36,8 @@ from ..geometry.face_rotation import face_axes, face_frame, face_turning
 from ..geometry.kernel import kernel
 from ..geometry.vectors import Vector, add, combine, cross, dot, norm, outer, scale, self_outer, sym_outer
 from ..model.dofs import DofMap
-from ..model.stencil import Kernel, StencilEnergy
+from ..model.kernels import Kernel
+from ..model.stencil import StencilEnergy
 
 
 @kernel

@@ -16,7 +16,8 @@ from ..geometry.blocks import entries
 from ..geometry.kernel import kernel
 from ..geometry.vectors import combine, cross, dot, norm, outer, scale
 from ..model.dofs import DofMap
-from ..model.drag import DragForce, DragKernel
+from ..model.drag import DragForce
+from ..model.kernels import DragKernel
 
 
 @kernel

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..arrays import FloatArray, IntArray
 from ..model.configuration import Configuration
-from ..model.term import Linearization, Pattern
+from ..model.linearization import Linearization, Pattern
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,7 +14,7 @@ from ..arrays import FloatArray
 from ..model.configuration import Configuration
 from ..model.driver import Driver
 from ..model.laws import Law
-from ..model.term import Coupling, Linearization, Pattern
+from ..model.linearization import Coupling, Linearization, Pattern
 
 
 @dataclass(frozen=True, slots=True)

@@ -20,7 +20,8 @@ from ..arrays import FloatArray, IntArray
 from ..model.configuration import Configuration
 from ..model.driver import Driver
 from ..model.laws import Law
-from ..model.term import BoundTerm, Coupling, Pattern
+from ..model.linearization import Coupling, Pattern
+from ..model.term import BoundTerm
 from .clique import BoundCliques
 
 

@@ -15,7 +15,8 @@ from ..model.configuration import Configuration
 from ..model.dofs import DofMap
 from ..model.driver import Driver
 from ..model.laws import Law
-from ..model.term import BoundTerm, Coupling, Linearization, Pattern, Term
+from ..model.linearization import Coupling, Linearization, Pattern
+from ..model.term import BoundTerm, Term
 from .clique import BoundCliques
 
 

@@ -14,7 +14,8 @@ from ..arrays import FloatArray, IntArray
 from ..geometry.kernel import kernel
 from ..geometry.vectors import combine, dot, norm, scale
 from ..model.dofs import DofMap
-from ..model.drag import DragForce, DragKernel
+from ..model.drag import DragForce
+from ..model.kernels import DragKernel
 
 
 @kernel

@@ -13,7 +13,7 @@ from ..arrays import FloatArray, IntArray
 from ..model.configuration import Configuration
 from ..model.dofs import DofMap
 from ..model.driver import Driver
-from ..model.term import Coupling, Linearization, Pattern, RankOne
+from ..model.linearization import Coupling, Linearization, Pattern, RankOne
 from .enclosed_volume import EnclosedVolume
 
 

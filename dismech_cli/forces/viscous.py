@@ -9,7 +9,7 @@ import numpy as np
 from ..arrays import FloatArray, IntArray
 from ..model.configuration import Configuration
 from ..model.driver import Driver
-from ..model.term import Coupling, Linearization, Pattern
+from ..model.linearization import Coupling, Linearization, Pattern
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,8 +14,8 @@ from ..arrays import FloatArray, IntArray
 from .configuration import Configuration
 from .driver import Driver
 from .laws import Law
+from .linearization import Coupling, Linearization, Pattern
 from .stencil import BoundStencil, StencilEnergy
-from .term import Coupling, Linearization, Pattern
 
 
 @dataclass(frozen=True, slots=True)

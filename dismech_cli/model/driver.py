@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
 from ..arrays import FloatArray, IntArray
-
-if TYPE_CHECKING:
-    from .drag import DragKernel
-    from .stencil import Kernel
-    from .term import Linearization, Pattern
+from .kernels import DragKernel, Kernel
+from .linearization import Linearization, Pattern
 
 
 class StencilLoop(Protocol):

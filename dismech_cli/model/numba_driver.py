@@ -23,11 +23,10 @@ from numpy.typing import NDArray
 
 from ..arrays import FloatArray, IntArray
 from ..geometry.kernel import marked_kernels
-from .drag import DragKernel
 from .driver import DragLoop, StencilLoop
+from .kernels import DragKernel, Kernel
+from .linearization import Linearization, Pattern
 from .numba_source import drag_source, map_source, stencil_source
-from .stencil import Kernel
-from .term import Linearization, Pattern
 
 # Reassociation and contraction only: never nnan or ninf, which delete checks for NaN. Kernels are
 # inlined into their loops, so that a loop that wants the residual alone computes nothing else.

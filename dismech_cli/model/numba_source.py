@@ -12,8 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from .drag import DragKernel
-from .stencil import Kernel
+from .kernels import DragKernel, Kernel
 
 _HEADER = '''"""Loops of {name}; written by dismech, do not edit."""
 

@@ -10,10 +10,9 @@ import numpy as np
 from scipy.sparse import csr_matrix
 
 from ..arrays import FloatArray, IntArray
-from .drag import DragKernel
 from .driver import DragLoop, StencilLoop
-from .stencil import Kernel
-from .term import Linearization, Pattern
+from .kernels import DragKernel, Kernel
+from .linearization import Linearization, Pattern
 
 # Stencils per call: temporaries of a chunk stay in the second-level cache.
 _CHUNK = 2048

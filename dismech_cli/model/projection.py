@@ -14,11 +14,10 @@ from typing import Any
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
-from .drag import DragKernel
 from .driver import DragLoop, Driver, StencilLoop
+from .kernels import DragKernel, Kernel
+from .linearization import Linearization, Pattern
 from .numpy_driver import NumpyDriver
-from .stencil import Kernel
-from .term import Linearization, Pattern
 
 
 def clamped(packed: FloatArray, order: int) -> FloatArray:

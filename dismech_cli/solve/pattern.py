@@ -16,7 +16,7 @@ from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from ..arrays import BoolArray, FloatArray, IntArray
 from ..model.dofs import DofMap
-from ..model.term import Coupling
+from ..model.linearization import Coupling
 
 
 @dataclass(frozen=True, slots=True)

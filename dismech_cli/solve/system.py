@@ -13,9 +13,10 @@ from ..arrays import BoolArray, FloatArray
 from ..model.configuration import Configuration
 from ..model.driver import Driver
 from ..model.frames import FrameState
+from ..model.linearization import Linearization, RankOne
 from ..model.model import Model
 from ..model.projection import ProjectedDriver
-from ..model.term import BoundEnergy, BoundTerm, Linearization, RankOne
+from ..model.term import BoundEnergy, BoundTerm
 from .integrators import Stage, Weights
 from .pattern import SparsityPattern
 

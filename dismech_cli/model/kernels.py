@@ -1,0 +1,154 @@
+"""Pure kernels with the shape of their stencils.
+
+An energy kernel sees reduced variables only: differences of node positions (edge vectors) and
+angles. Because node positions enter through differences, gradient and Hessian with respect to nodes
+follow from constant +-1 patterns, tabulated here once per kernel. A drag kernel sees edge vectors,
+velocities of some nodes of the stencil and constants, and returns its residual share on those same
+nodes with both tangents.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from ..arrays import FloatArray, IntArray
+
+
+@dataclass(frozen=True)
+class Kernel:
+    """An energy kernel and the shape of its stencil.
+
+    Attributes:
+        function: ``f(y, a, p) -> (energy, gradient (R), packed Hessian R(R+1)/2)``.
+        dimension: Components of an edge vector: 2 or 3.
+        nodes: Nodes per stencil.
+        vectors: Edge vectors as (tail, head) local nodes; y starts with their components.
+        angles: Angles per stencil; they end y.
+        auxiliaries: Inputs a taken from the trial frames.
+        naturals: Leading parameters that are natural strains.
+        parameters: Length of p, natural strains included.
+        shares: Names of the parts that the energy comes in, a tuple then; empty where it is one number.
+    """
+
+    function: Callable[[Any, Any, Any], Any]
+    dimension: int
+    nodes: int
+    vectors: tuple[tuple[int, int], ...]
+    parameters: int
+    naturals: int
+    angles: int = 0
+    auxiliaries: int = 0
+    shares: tuple[str, ...] = ()
+
+    @property
+    def reduced(self) -> int:
+        """Number R of reduced variables."""
+        return self.dimension * len(self.vectors) + self.angles
+
+    @property
+    def energies(self) -> int:
+        """Number of parts that the energy comes in."""
+        return max(len(self.shares), 1)
+
+    @property
+    def dofs(self) -> int:
+        """Number D of DOFs per stencil."""
+        return self.dimension * self.nodes + self.angles
+
+    @cached_property
+    def reduction(self) -> FloatArray:
+        """Constant matrix B, shape (R, D): y = B q_local."""
+        b = np.zeros((self.reduced, self.dofs))
+        for k, (tail, head) in enumerate(self.vectors):
+            for i in range(self.dimension):
+                b[k * self.dimension + i, tail * self.dimension + i] = -1.0
+                b[k * self.dimension + i, head * self.dimension + i] = 1.0
+        for k in range(self.angles):
+            b[self.dimension * len(self.vectors) + k, self.dimension * self.nodes + k] = 1.0
+        return b
+
+    @cached_property
+    def gradient_table(self) -> tuple[IntArray, IntArray, FloatArray]:
+        """Entries (local DOF, reduced index, sign) of g_local = B^T g."""
+        row, column = np.nonzero(self.reduction.T)
+        return row, column, self.reduction.T[row, column]
+
+    @cached_property
+    def hessian_table(self) -> tuple[IntArray, IntArray, FloatArray]:
+        """Entries (pair, packed index, factor) of the upper triangle of H_local = B^T H B."""
+        r = self.reduced
+        packed = np.zeros((r, r), dtype=np.int64)
+        packed[np.triu_indices(r)] = np.arange(r * (r + 1) // 2)
+        packed = np.maximum(packed, packed.T)
+        sums: dict[tuple[int, int], float] = {}
+        b = self.reduction
+        for pair, (d, e) in enumerate(zip(*self.local_pairs, strict=True)):
+            for i in np.flatnonzero(b[:, d]):
+                for j in np.flatnonzero(b[:, e]):
+                    key = (pair, int(packed[i, j]))
+                    sums[key] = sums.get(key, 0.0) + b[i, d] * b[j, e]
+        entries = sorted((p, k, w) for (p, k), w in sums.items() if w != 0.0)
+        pairs, indices, factors = zip(*entries, strict=True)
+        return np.array(pairs), np.array(indices), np.array(factors)
+
+    @cached_property
+    def local_pairs(self) -> tuple[IntArray, IntArray]:
+        """Local DOF pairs (i <= j) of the upper triangle, in packed order."""
+        i, j = np.triu_indices(self.dofs)
+        return i.astype(np.int64), j.astype(np.int64)
+
+
+@dataclass(frozen=True)
+class DragKernel:
+    """A velocity-dependent force and the shape of its stencil.
+
+    Attributes:
+        function: ``f(y, u, p) -> (r (F), dr/dy (F*R by rows), dr/du (F*F by rows))``, tuples; y
+            are the edge-vector components, u the velocities of the ``loaded`` nodes.
+        dimension: Components of a vector: 2 or 3.
+        nodes: Nodes per stencil.
+        vectors: Edge vectors as (tail, head) local nodes.
+        loaded: Local nodes whose velocities enter and that receive the force.
+        parameters: Length of p.
+    """
+
+    function: Callable[[Any, Any, Any], Any]
+    dimension: int
+    nodes: int
+    vectors: tuple[tuple[int, int], ...]
+    loaded: tuple[int, ...]
+    parameters: int
+
+    @property
+    def reduced(self) -> int:
+        """Number R of edge-vector components."""
+        return self.dimension * len(self.vectors)
+
+    @property
+    def forces(self) -> int:
+        """Number F of force components."""
+        return self.dimension * len(self.loaded)
+
+    @cached_property
+    def loaded_dofs(self) -> IntArray:
+        """Local DOFs of the loaded nodes, shape (F,)."""
+        d = self.dimension
+        return (np.array(self.loaded)[:, None] * d + np.arange(d)).reshape(-1)
+
+    @cached_property
+    def stiffness_table(self) -> tuple[IntArray, IntArray, IntArray, FloatArray]:
+        """Entries (row DOF, column DOF, index into dr/dy, sign) of dr/dq_local."""
+        d, entries = self.dimension, []
+        for f, row in enumerate(self.loaded_dofs):
+            for k, (tail, head) in enumerate(self.vectors):
+                for i in range(d):
+                    index = f * self.reduced + k * d + i
+                    entries.append((row, tail * d + i, index, -1.0))
+                    entries.append((row, head * d + i, index, 1.0))
+        rows, columns, indices, signs = zip(*entries, strict=True)
+        return np.array(rows), np.array(columns), np.array(indices), np.array(signs)
