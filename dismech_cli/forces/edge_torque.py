@@ -13,6 +13,7 @@ and the transport itself turns that normal about v by s per change of v,
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -46,11 +47,7 @@ class EdgeTorque:
     stored: IntArray
     moments: FloatArray
     law: Law
-
-    @property
-    def dissipative(self) -> bool:
-        """A moment does not depend on velocity."""
-        return False
+    velocity_dependent: ClassVar[bool] = False
 
     @property
     def dofs(self) -> IntArray:

@@ -7,6 +7,7 @@ and cost nothing in the matrix.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -30,16 +31,12 @@ class DeadLoad:
     name: str
     force: FloatArray
     law: Law
+    velocity_dependent: ClassVar[bool] = False
 
     @property
     def shares(self) -> tuple[str]:
         """One energy, that of the load."""
         return (self.name,)
-
-    @property
-    def dissipative(self) -> bool:
-        """A dead load does not depend on velocity."""
-        return False
 
     @property
     def couplings(self) -> tuple[Coupling, ...]:

@@ -13,6 +13,7 @@ derivative of the whole balance.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -46,11 +47,7 @@ class EdgeMoment:
     axes: tuple[int, ...]
     moments: FloatArray
     law: Law
-
-    @property
-    def dissipative(self) -> bool:
-        """A moment does not depend on velocity."""
-        return False
+    velocity_dependent: ClassVar[bool] = False
 
     @property
     def couplings(self) -> tuple[Coupling, ...]:

@@ -7,6 +7,7 @@ it is neither.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -50,11 +51,7 @@ class FollowerPressure:
     name: str
     corners: IntArray
     law: Law
-
-    @property
-    def dissipative(self) -> bool:
-        """Pressure does not depend on velocity."""
-        return False
+    velocity_dependent: ClassVar[bool] = False
 
     @property
     def couplings(self) -> tuple[Coupling, ...]:
@@ -87,11 +84,7 @@ class VolumePressure:
     name: str
     corners: IntArray
     law: Law
-
-    @property
-    def dissipative(self) -> bool:
-        """Pressure does not depend on velocity."""
-        return False
+    velocity_dependent: ClassVar[bool] = False
 
     @property
     def couplings(self) -> tuple[Coupling, ...]:

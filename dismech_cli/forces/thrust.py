@@ -6,6 +6,7 @@ The force on one node depends on the velocities of all: the tangent is a full ma
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -34,11 +35,7 @@ class Thrust:
     n_positions: int
     sense: float
     push: FloatArray
-
-    @property
-    def dissipative(self) -> bool:
-        """Thrust depends on velocity."""
-        return True
+    velocity_dependent: ClassVar[bool] = True
 
     @property
     def couplings(self) -> tuple[Coupling, ...]:

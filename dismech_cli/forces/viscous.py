@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import ClassVar
 
 import numpy as np
 
@@ -25,11 +26,7 @@ class ViscousDamping:
     name: str
     dofs: IntArray
     coefficients: FloatArray
-
-    @property
-    def dissipative(self) -> bool:
-        """Damping depends on velocity."""
-        return True
+    velocity_dependent: ClassVar[bool] = True
 
     @property
     def couplings(self) -> tuple[Coupling, ...]:

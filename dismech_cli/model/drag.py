@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 from ..arrays import FloatArray, IntArray
 from .configuration import Configuration
@@ -26,11 +27,7 @@ class DragForce:
     kernel: DragKernel
     dofs: IntArray
     parameters: FloatArray
-
-    @property
-    def dissipative(self) -> bool:
-        """Drag depends on velocity."""
-        return True
+    velocity_dependent: ClassVar[bool] = True
 
     @property
     def couplings(self) -> tuple[Coupling, ...]:

@@ -7,6 +7,7 @@ the step: so actuated runs keep the order of their integrator, and nothing accum
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -44,6 +45,7 @@ class DrivenEnergy:
 
     energy: StencilEnergy
     drives: tuple[Drive, ...]
+    velocity_dependent: ClassVar[bool] = False
 
     @property
     def name(self) -> str:
@@ -54,11 +56,6 @@ class DrivenEnergy:
     def shares(self) -> tuple[str, ...]:
         """Those of the energy."""
         return self.energy.shares
-
-    @property
-    def dissipative(self) -> bool:
-        """An energy does not depend on velocity."""
-        return False
 
     @property
     def couplings(self) -> tuple[Coupling, ...]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import ClassVar
 
 import numpy as np
 
@@ -30,11 +31,7 @@ class StencilEnergy:
     dofs: IntArray
     parameters: FloatArray
     auxiliaries: IntArray
-
-    @property
-    def dissipative(self) -> bool:
-        """An energy does not depend on velocity."""
-        return False
+    velocity_dependent: ClassVar[bool] = False
 
     @property
     def couplings(self) -> tuple[Coupling, ...]:

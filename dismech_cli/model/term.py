@@ -7,7 +7,7 @@ the residual share is +dE/dq of an energy and -f of a force.
 
 from __future__ import annotations
 
-from typing import Protocol, runtime_checkable
+from typing import ClassVar, Protocol, runtime_checkable
 
 from ..arrays import FloatArray
 from .configuration import Configuration
@@ -42,15 +42,17 @@ class BoundEnergy(BoundTerm, Protocol):
 
 
 class Term(Protocol):
-    """A physical contribution, before it is bound to a matrix."""
+    """A physical contribution, before it is bound to a matrix.
+
+    Attributes:
+        velocity_dependent: Whether the residual depends on velocity.
+    """
+
+    velocity_dependent: ClassVar[bool]
 
     @property
     def name(self) -> str:
         """Unique name."""
-
-    @property
-    def dissipative(self) -> bool:
-        """Whether the residual depends on velocity."""
 
     @property
     def couplings(self) -> tuple[Coupling, ...]:

@@ -74,7 +74,7 @@ class System:
         self._energies = [t for t in self.terms if isinstance(t, BoundEnergy)]
         self._others = [t for t in self.terms if not isinstance(t, BoundEnergy)]
         self._mirror = None if self.pattern.symmetric else self.pattern.mirror()
-        self._damped = any(t.dissipative for t in model.terms)
+        self._damped = any(t.velocity_dependent for t in model.terms)
         self._buffers = Linearization.of(model.dofs.n, self.pattern.slots)
         self._free_mass = model.mass[self.pattern.free]
         self._has_mass = bool(model.mass.any())
