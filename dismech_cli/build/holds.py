@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import inf
+from typing import assert_never
 
 import numpy as np
 
@@ -102,6 +103,8 @@ def resolve_holds(loaded: LoadedScenario, geometry: Geometry, laws: ToLaw) -> tu
                         release,
                     )
                 )
+            case _:
+                assert_never(motion)
     return tuple(holds)
 
 

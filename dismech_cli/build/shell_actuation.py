@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import assert_never
+
 from ..model.driven import Drive, DrivenEnergy
 from ..model.stencil import StencilEnergy
 from ..scenario.actuation import (
@@ -39,6 +41,8 @@ def build_shell_elastic(
                 drives[name] += curvature_drives(loaded, geometry, named[name], index, actuation, laws)
             case StretchActuation() | CurvatureActuation() | TwistActuation():  # of a rod
                 continue
+            case _:
+                assert_never(actuation)
     bending = (
         DrivenEnergy(energy, tuple(drives[name])) if drives[name] else energy
         for name, energy in shells.bending.items()
