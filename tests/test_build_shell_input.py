@@ -111,7 +111,7 @@ def test_uneven_meshes_are_doubtful_for_hinges_only(made: Any) -> None:
         ),
         (
             {"motions": [{"type": "clamp", "where": "sheet.left", "twist": 1.0}]},
-            "motions[0]: turns no edge: the scene has no rod that can twist",
+            "motions[0].twist: turns no edge of a rod: none is held",
         ),
         (
             {"forces": [{"type": "pressure", "shell": "shet", "pressure": 1.0}]},

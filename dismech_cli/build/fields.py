@@ -9,6 +9,7 @@ from typing import get_args
 import numpy as np
 
 from ..model.dofs import DofMap
+from ..model.frames import RodFrames
 from ..output.frame import Topology
 from ..run import fields as made
 from ..run.shell_fields import AmongCells, AreaStrainField, BendingEnergyField
@@ -17,6 +18,7 @@ from ..scenario.output import ShellField
 from .geometry import Geometry
 from .plan import Bending, Plan
 from .rods import PLANAR_AXIS, RodSystem
+from .shell_bending import bending_of
 from .shell_edges import ShellEdges
 from .skeleton import Skeleton
 
@@ -129,7 +131,9 @@ def _curvatures(scene: Scene) -> made.Curvatures:
 
 
 def _director(scene: Scene) -> made.Field:
-    return made.DirectorField(len(scene.geometry.edges))
+    frames = scene.rods.frames
+    assert isinstance(frames, RodFrames)
+    return made.DirectorField(frames.director_places(np.arange(len(scene.geometry.edges)))[:, :3])
 
 
 def _area_strain(scene: Scene) -> made.Field:
@@ -144,7 +148,7 @@ def _bending_energy_density(scene: Scene) -> made.Field:
     shares = []
     for shell in geometry.shells:
         own = geometry.triangles_of(shell.name)
-        if shell.bending == "hinge":
+        if bending_of(shell).at_hinges:
             faces = own[scene.free.topologies[shell.name].hinge_faces]
             stencils, weight = np.repeat(np.arange(len(faces)), 2), 0.5
         else:

@@ -79,9 +79,10 @@ def resolve_holds(loaded: LoadedScenario, geometry: Geometry, laws: ToLaw) -> tu
                 nodes = select_nodes(loaded, geometry, motion.where, path)
                 displacement = _displacement(motion.displacement, laws)
                 twist = ZERO if motion.twist is None else laws(motion.twist)
-                holds.append(
-                    _clamp(loaded, geometry, motion, path, name, nodes, displacement, twist, release)
-                )
+                hold = _clamp(loaded, geometry, motion, path, name, nodes, displacement, twist, release)
+                if motion.twist is not None and not (hold.edges.size or hold.walls.size):
+                    raise loaded.error(("motions", index, "twist"), "turns no edge of a rod: none is held")
+                holds.append(hold)
             case Pin():
                 nodes = select_nodes(loaded, geometry, motion.where, path)
                 axes = tuple(AXES.index(c) for c in motion.components)

@@ -20,7 +20,7 @@ from ..scenario.load import LoadedScenario
 from ..scenario.motion import Twist
 from ..scenario.numerics import Static
 from ..scenario.probe import TwistProbe
-from .doubts import mesh_doubts
+from .doubts import scene_doubts
 from .geometry import Geometry
 from .holds import Hold, twists
 from .shell_bending import bending_of
@@ -110,7 +110,9 @@ def make_plan(
         decisions.append(Decision("no damping matrix", "no force depends on velocity"))
     kernels, why = (kernels, "as in the resumed run") if kernels else _kernels(loaded, geometry)
     decisions.append(Decision(f"kernels by {kernels}", why))
-    return Plan(axes, bending, static, kernels, tuple(decisions), tuple(mesh_doubts(loaded, geometry)))
+    return Plan(
+        axes, bending, static, kernels, tuple(decisions), tuple(scene_doubts(loaded, geometry, holds))
+    )
 
 
 def _check_planar(loaded: LoadedScenario, geometry: Geometry, axes: tuple[int, ...]) -> None:
@@ -145,13 +147,12 @@ def _bending(loaded: LoadedScenario, geometry: Geometry, holds: tuple[Hold, ...]
 def _shells(geometry: Geometry) -> Iterator[Decision]:
     for shell in geometry.shells:
         count = len(geometry.triangles_of(shell.name))
-        if bending_of(shell).free_normals:
+        bending = bending_of(shell)
+        if bending.free_normals:
             what = f"mid-edge normals on shell '{shell.name}': one angle per edge of {count} triangles"
-            why = "asked for, or by default: converges on every mesh"
         else:
             what = f"no mid-edge normals on shell '{shell.name}': no DOFs beside its nodes"
-            why = f"bending: {shell.bending}"
-        yield Decision(what, why)
+        yield Decision(what, f"bending: {shell.bending}, {bending.plate}")
 
 
 def _needs_frames(loaded: LoadedScenario, geometry: Geometry, holds: tuple[Hold, ...]) -> str:

@@ -36,6 +36,7 @@ class ShellBending:
         curvature_factor: Change of the natural angles of a triangle per angle from its normal to that of an
             edge; None if the model knows no curvature.
         converges: Whether it is a plate on every mesh, rather than on nearly equilateral triangles.
+        plate: What it is, for the plan.
     """
 
     term: Callable[[ShellParts], StencilEnergy]
@@ -45,6 +46,7 @@ class ShellBending:
     dihedral_factor: float
     curvature_factor: float | None
     converges: bool
+    plate: str
 
 
 def bending_of(shell: Shell) -> ShellBending:
@@ -120,6 +122,7 @@ SHELL_BENDING: Mapping[str, ShellBending] = {
         dihedral_factor=-0.5,
         curvature_factor=1.0,
         converges=True,
+        plate="converges on every mesh",
     ),
     "hinge": ShellBending(
         term=_hinge,
@@ -129,6 +132,7 @@ SHELL_BENDING: Mapping[str, ShellBending] = {
         dihedral_factor=1.0,
         curvature_factor=None,
         converges=False,
+        plate="between equilateral triangles a plate of Poisson's ratio -1/3, whatever the material",
     ),
     "averaged": ShellBending(
         term=_averaged,
@@ -138,6 +142,7 @@ SHELL_BENDING: Mapping[str, ShellBending] = {
         dihedral_factor=-1.0,
         curvature_factor=2.0,
         converges=False,
+        plate="a plate on nearly equilateral triangles",
     ),
 }
 

@@ -15,6 +15,7 @@ from ..forces.load import DeadLoad
 from ..forces.moment import EdgeMoment
 from ..forces.pressure import pressure as pressure_term
 from ..forces.thrust import thrust as thrust_term
+from ..mesh.topology_shell import rims
 from ..model.mass import nodal_lengths
 from ..model.shell import edge_lengths, nodal_areas
 from ..model.term import Term
@@ -67,9 +68,18 @@ def pressure(setting: Setting, place: Place, force: Pressure) -> Iterator[Term]:
 
 
 def thrust(setting: Setting, place: Place, force: Thrust) -> Iterator[Term]:
-    """Thrust of a bell."""
+    """Thrust of a bell.
+
+    Raises:
+        ScenarioError: The shell does not have one opening.
+    """
     geometry, dofs = setting.geometry, setting.dofs
     triangles = geometry.triangles[geometry.triangles_of(force.shell)]
+    openings = rims(triangles)
+    if openings != 1:
+        raise setting.loaded.error(
+            place.key("shell"), f"'{force.shell}' has {openings} rims; a bell has one, around its opening"
+        )
     # shared by mass, so that the thrust itself accelerates the bell without squeezing it
     mass = nodal_mass(geometry, dofs.n_nodes, setting.payload)
     shares = np.zeros(dofs.n_nodes)
@@ -115,7 +125,10 @@ def line_moment(setting: Setting, place: Place, force: LineMoment) -> Iterator[T
     nodes = select_nodes(setting.loaded, setting.geometry, force.where, place.key("where"))
     edges = np.flatnonzero(np.isin(free.edges, nodes).all(axis=1))
     if edges.size == 0:
-        raise setting.loaded.error(place.key("where"), "selects no edge of a shell with mid-edge bending")
+        raise setting.loaded.error(
+            place.key("where"),
+            "selects no edge, two nodes of a side, of a shell with bending: midedge, whose normals it turns",
+        )
     assert setting.normals is not None
     stored = setting.normals.edge_places(edges)[:, :3]
     tails, heads = (dofs.of_nodes(free.edges[edges, k]) for k in (0, 1))

@@ -212,15 +212,18 @@ class AxialForceField:
 
 @dataclass(frozen=True, slots=True)
 class DirectorField:
-    """First material director of framed rods."""
+    """First material director of framed rods.
 
-    edges: int
+    Attributes:
+        places: Of its components in the auxiliary array, shape (E, 3).
+    """
+
+    places: IntArray
     spec: FieldSpec = DIRECTOR
 
     def __call__(self, s: Snapshot) -> FloatArray:
         """Values (E, 3)."""
-        n = s.state.frames.tangent.shape[1]
-        return np.ascontiguousarray(s.frames.auxiliary[: 3 * n].reshape(3, n).T[: self.edges])
+        return s.frames.auxiliary[self.places]
 
 
 def _largest_at(nodes: IntArray, values: FloatArray, count: int) -> FloatArray:

@@ -118,7 +118,13 @@ def _rod_names(scenario: Scenario) -> Iterator[Finding]:
             yield (*path, "mean_position"), f"no {kind} is named {probe.mean_position!r}{near}"
     for path, name in named:
         if name not in rods:
-            yield path, f"no rod is named {name!r}{hint(name, rods)}"
+            yield path, _unnamed("rod", name, rods, scenario)
+
+
+def _unnamed(kind: str, name: str, known: list[str], scenario: Scenario) -> str:
+    if any(body.name == name for body in scenario.geometry):
+        return f"{name!r} is no {kind}"
+    return f"no {kind} is named {name!r}{hint(name, known)}"
 
 
 def _shell_names(scenario: Scenario) -> Iterator[Finding]:
@@ -131,7 +137,7 @@ def _shell_names(scenario: Scenario) -> Iterator[Finding]:
             named.append((("actuation", i, "shell"), part.shell))
     for path, name in named:
         if name not in shells:
-            yield path, f"no shell is named {name!r}{hint(name, shells)}"
+            yield path, _unnamed("shell", name, shells, scenario)
 
 
 def _loaded(scenario: Scenario, key: str) -> Iterator[Finding]:

@@ -25,7 +25,8 @@ class RigidJoint(Spec):
     footprint: PositiveLength | None = Field(
         default=None,
         description="Joint to a shell: the rod turns with the triangles whose middles are so near, and with "
-        "those around the node; default: the radius of the rod.",
+        "those around the node; default: the radius of the rod. A weld to triangles larger than that "
+        "softens as they shrink.",
     )
 
 

@@ -62,8 +62,9 @@ class Twist(Spec):
 class Symmetry(Spec):
     """Makes a plane one of mirror symmetry for the shells in it, of which the scene has the part on one side.
 
-    Nodes stay in the plane, and so do the mid-edge normals of the edges between them. Forces on these nodes
-    are shared with the mirror image. Bending other than `midedge` needs the whole structure.
+    Nodes stay in the plane, and so do the mid-edge normals of the edges between them. Give such nodes the
+    part's share of forces and masses: half of that of the whole in a plane, a quarter where two planes meet;
+    reactions are those of the part. Bending other than `midedge` needs the whole structure.
     """
 
     type: Literal["symmetry"] = Field(description="Kind of motion.")

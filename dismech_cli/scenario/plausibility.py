@@ -25,6 +25,7 @@ from .surface import (
 SOFTEST, STIFFEST = 1e3, 1.3e12  # [Pa] jelly, diamond
 LIGHTEST, HEAVIEST = 1.0, 23e3  # [kg/m^3] aerogel, osmium
 STRONGEST_GRAVITY = 300.0  # [m/s^2] about that of the sun
+LEAST_INERTIA = 1e-3  # rotary inertia over that of a solid round rod
 STOUTEST = 0.2  # thickness over length at which a rod is no rod any more, a shell no shell
 
 
@@ -33,6 +34,8 @@ def doubts(scenario: Scenario) -> Iterator[Finding]:
     yield from _materials(scenario)
     yield from _slenderness(scenario)
     yield from _thinness(scenario)
+    if not isinstance(scenario.numerics.integrator, Static):
+        yield from _inertia(scenario)
     for i, force in enumerate(scenario.forces):
         if isinstance(force, Gravity):
             numbers = [a for a in force.acceleration if isinstance(a, float)]
@@ -75,6 +78,21 @@ def _slenderness(scenario: Scenario) -> Iterator[Finding]:
             key = "radius" if rod.radius is not None else "section"
             message = f"thickness {thickness:g} m on a length of {length:g} m: too stout for a rod"
             yield ("geometry", i, key), message
+
+
+def _inertia(scenario: Scenario) -> Iterator[Finding]:
+    for i, rod in scenario.rods.items():
+        match rod.section:
+            case GivenSection(mass_per_length=mass, radius=radius, rotary_inertia_per_length=inertia):
+                solid = 0.5 * mass * radius**2
+                if inertia < LEAST_INERTIA * solid:
+                    yield (
+                        ("geometry", i, "section", "rotary_inertia_per_length"),
+                        f"{inertia:g} kg m is far below that of a solid round rod, {solid:.2g} kg m: "
+                        "its twist will swing too fast for any step",
+                    )
+            case _:
+                pass
 
 
 def _thinness(scenario: Scenario) -> Iterator[Finding]:

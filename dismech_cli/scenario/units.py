@@ -89,6 +89,7 @@ _PREFIXES: Final = {
     "k": 1e3,
     "M": 1e6,
     "G": 1e9,
+    "T": 1e12,
 }
 _PREFIXED: Final[dict[str, tuple[float, Dimension]]] = {
     "m": (1.0, Dimension(m=1)),
