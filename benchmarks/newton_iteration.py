@@ -7,7 +7,7 @@ predictor and acceptance of the step are all in it; a step of three iterations a
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,6 +19,7 @@ from dismech_cli.solve.step import Stepper
 
 from .clock import in_turns, yardstick
 from .scenes import cantilever, helix, stepper_of
+from .split import PARTS, Split, timed_stepper
 from .table import table, verdict
 
 DT = 5e-3
@@ -40,16 +41,14 @@ class Iteration:
         total: Everything.
         ratio: Over the yardstick, median of the turns.
         per_step: Iterations per step.
-        parts: Configuration, terms, assembly, factorise, solve, rest.
+        parts: The entries of ``PARTS``, of steps that read the clock between them: their sum is
+            more than ``total`` by these readings.
     """
 
     total: float
     ratio: float
     per_step: float
-    parts: tuple[float, ...]
-
-
-PARTS = ("configuration", "terms", "assembly", "factorise", "solve", "rest")
+    parts: Mapping[str, float]
 
 
 # What one call of the yardstick does, for a scene bound to its matrix and in motion.
@@ -61,22 +60,18 @@ def measure(simulation: Simulation, yard: Yard, *, steps: int, seconds: float) -
     stepper = stepper_of(simulation)
     start, _ = advance(stepper, stepper.prepare(stepper.rest_state()), DT, 10)
     _, iterations = advance(stepper, start, DT, steps)
-    parts, names = _pieces(stepper, start)
-    actions = [lambda: advance(stepper, start, DT, steps), yard(stepper, start), *parts]
+    split = Split()
+    watched = timed_stepper(simulation, start, split)
+    actions = [
+        lambda: advance(stepper, start, DT, steps),
+        yard(stepper, start),
+        lambda: split.lap(lambda: advance(watched, start, DT, steps)),
+    ]
     turns = in_turns(actions, seconds=seconds)
     total = float(turns[:, 0].min()) / iterations
     ratio = float(np.median(turns[:, 0] / turns[:, 1])) / iterations
-    times = dict(zip(names, turns[:, 2:].min(axis=0).tolist(), strict=True))
-    # every step ends with an assembly that finds the residual small
-    assemblies = (iterations + steps) / iterations
-    split = [
-        assemblies * times["configuration"],
-        assemblies * times["terms"],
-        assemblies * max(times["linearize"] - times["configuration"] - times["terms"], 0.0),
-        times["factorise"],
-        times["solve"],
-    ]
-    return Iteration(total, ratio, iterations / steps, (*split, total - sum(split)))
+    parts = {part: spent / iterations for part, spent in split.least.items()}
+    return Iteration(total, ratio, iterations / steps, parts)
 
 
 def banded(nodes: int) -> Yard:
@@ -95,29 +90,21 @@ def advance(stepper: Stepper, state: State, dt: float, steps: int) -> tuple[Stat
     return state, iterations
 
 
-def _pieces(stepper: Stepper, state: State) -> tuple[list[Callable[[], object]], list[str]]:
-    """The parts of an iteration, each to be called alone."""
-    system, solver = stepper.system, stepper.solver
-    stage = stepper.integrator.stage(0, state, state, DT)
-    q = stage.predictor
-    values = system.linearize(stage, q, state.frames).values.copy()
-    solver.factorize(values)
-    rhs = np.ones(system.pattern.m)
-    point = system.configuration(stage, q, state.frames)
-    buffers = system._buffers  # the terms add into them as in an assembly
-
-    def terms() -> None:
-        for term in system.terms:
-            term.add_linearization(point, buffers)
-
-    pieces: dict[str, Callable[[], object]] = {
-        "configuration": lambda: system.configuration(stage, q, state.frames),
-        "terms": terms,
-        "linearize": lambda: system.linearize(stage, q, state.frames),
-        "factorise": lambda: solver.factorize(values),
-        "solve": lambda: solver.solve(rhs),
-    }
-    return list(pieces.values()), list(pieces)
+def split_table(head: Sequence[str], rows: Sequence[tuple[Sequence[object], Iteration]]) -> str:
+    """Milliseconds of the parts of iterations, and their sum, with the columns that name them."""
+    cells = [
+        (*names, *[1e3 * s for s in (*one.parts.values(), sum(one.parts.values()))]) for names, one in rows
+    ]
+    return "\n\n".join(
+        (
+            "Where the time goes [ms per iteration]: steps of the same scene once more, in turns with those "
+            "above, that read the clock wherever one part hands over to another; the lap that took least, "
+            "which is longer by these readings. A step assembles once more than it solves, which is in "
+            "these numbers. Terms include the scatter into the matrix; assembly is clearing, inertia and the "
+            "sizes of forces; the rest is predictor, convergence test and acceptance of the step:",
+            table((*head, *PARTS, "sum"), cells),
+        )
+    )
 
 
 def report(quick: bool) -> str:
@@ -139,7 +126,7 @@ def report(quick: bool) -> str:
                         one.per_step,
                     )
                 )
-                splits.append((kernels, nodes, name, *[1e3 * part for part in one.parts]))
+                splits.append(((kernels, nodes, name), one))
     return "\n\n".join(
         (
             "## One Newton iteration, everything included\n\n"
@@ -147,9 +134,6 @@ def report(quick: bool) -> str:
             "the steps over the linear solves in them. R(N) is timed in turns with the steps; median of "
             "the ratios. Bars of reduced scenes are those of the framed one times their share of its DOFs.",
             table(("kernels", "nodes", "scene", "ms", "in R(N)", "iterations per step"), ratios),
-            "Where the time goes [ms per iteration]; a step assembles once more than it solves, which is in "
-            "these numbers. Terms include the scatter into the matrix; assembly is clearing, inertia and the "
-            "sizes of forces.",
-            table(("kernels", "nodes", "scene", *PARTS), splits),
+            split_table(("kernels", "nodes", "scene"), splits),
         )
     )

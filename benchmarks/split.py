@@ -1,0 +1,90 @@
+"""Where the time of steps goes: the clock is read wherever one part of an iteration hands over to another."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from math import inf
+from typing import Any
+
+from dismech_cli.model.configuration import Configuration
+from dismech_cli.model.driver import Driver
+from dismech_cli.model.state import State
+from dismech_cli.model.term import Linearization, Pattern
+from dismech_cli.run.simulation import Simulation
+from dismech_cli.solve.step import Stepper
+
+from .scenes import stepper_of
+
+PARTS = ("configuration", "terms", "assembly", "factorise", "solve", "rest")
+
+
+class Split:
+    """CPU time by part, each without the parts that it calls: together they are the whole.
+
+    Attributes:
+        least: Time of each part [s] in the lap that took least.
+    """
+
+    def __init__(self) -> None:
+        self.least = dict.fromkeys(PARTS, inf)
+
+    def lap(self, action: Callable[[], object]) -> None:
+        """Run an action that calls timed functions."""
+        self._spent = dict.fromkeys(PARTS, 0.0)
+        self._part, self._since = "rest", time.process_time()
+        action()
+        self._enter("rest")
+        if sum(self._spent.values()) < sum(self.least.values()):
+            self.least = self._spent
+
+    def timed(self, part: str, function: Callable[..., Any]) -> Callable[..., Any]:
+        """The function, its time booked on a part."""
+
+        def call(*arguments: Any) -> Any:
+            before = self._enter(part)
+            result = function(*arguments)
+            self._enter(before)
+            return result
+
+        return call
+
+    def _enter(self, part: str) -> str:
+        """Book the time since the last reading; return the part that it was spent in."""
+        now, before = time.process_time(), self._part
+        self._spent[before] += now - self._since
+        self._part, self._since = part, now
+        return before
+
+
+@dataclass(frozen=True)
+class _Timed:
+    """A term, free or bound, whose linearisation is booked on the terms."""
+
+    term: Any
+    split: Split
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.term, name)
+
+    def bind(self, pattern: Pattern, driver: Driver) -> _Timed:
+        return _Timed(self.term.bind(pattern, driver), self.split)
+
+    def add_linearization(self, c: Configuration, into: Linearization) -> None:
+        self.split.timed("terms", self.term.add_linearization)(c, into)
+
+
+def timed_stepper(simulation: Simulation, state: State, split: Split) -> Stepper:
+    """A stepper bound at a state that books its time; it takes the steps of one that does not."""
+    terms = tuple(_Timed(term, split) for term in simulation.model.terms)
+    stepper = stepper_of(replace(simulation, model=replace(simulation.model, terms=terms)))
+    stepper.prepare(state)
+    for owner, method, part in (
+        (stepper.system, "configuration", "configuration"),
+        (stepper.system, "linearize", "assembly"),
+        (stepper.solver, "factorize", "factorise"),
+        (stepper.solver, "solve", "solve"),
+    ):
+        setattr(owner, method, split.timed(part, getattr(owner, method)))
+    return stepper
