@@ -1,4 +1,4 @@
-"""CPU time of repeated runs, and the yardstick that makes timings comparable between machines."""
+"""CPU time of repeated runs, its growth, and the yardstick that makes timings comparable between machines."""
 
 from __future__ import annotations
 
@@ -38,6 +38,11 @@ def _spent(action: Callable[[], object], count: int) -> float:
 def _calls_per_turn(action: Callable[[], object], turn: float = 5e-3) -> int:
     action()
     return max(1, int(turn / max(_spent(action, 1), 1e-7)))
+
+
+def exponent(sizes: Sequence[float], times: Sequence[float]) -> float:
+    """Fitted p of time ~ size^p; 1 is linear."""
+    return float(np.polyfit(np.log(sizes), np.log(times), 1)[0])
 
 
 @cache

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import numpy as np
-
+from .clock import exponent
 from .newton_iteration import DT, banded, measure
 from .scenes import helix
 from .table import table, verdict
@@ -22,9 +21,8 @@ def report(quick: bool) -> str:
             one = measure(simulation, banded(nodes), steps=steps, seconds=0.5 if quick else 3.0)
             times.append(one.total)
         rows.append((kernels, *[1e6 * spent / nodes for spent, nodes in zip(times, NODES, strict=True)]))
-        slope = float(np.polyfit(np.log(NODES), np.log(times), 1)[0])
-        tail = float(np.polyfit(np.log(NODES[2:]), np.log(times[2:]), 1)[0])
-        exponents.append((kernels, verdict(slope, 1.05), verdict(tail, 1.05)))
+        slopes = (exponent(NODES, times), exponent(NODES[2:], times[2:]))
+        exponents.append((kernels, *[verdict(slope, 1.05) for slope in slopes]))
     return "\n\n".join(
         (
             "## Growth with the number of nodes\n\nFramed helix, microseconds per node and Newton iteration:",

@@ -9,16 +9,26 @@ from __future__ import annotations
 
 import subprocess
 import sys
-from collections.abc import Callable
+import tempfile
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from dismech_cli.model.state import State
+from dismech_cli.output.frame import Frame
+from dismech_cli.output.writers import make_writer
+from dismech_cli.run.loop import run
+from dismech_cli.run.simulation import Simulation
 from dismech_cli.solve.pardiso import POSITIVE_DEFINITE, Factors
+from dismech_cli.solve.solvers import LINEAR_SOLVERS
 from dismech_cli.solve.step import Stepper
+from dismech_cli.solve.system import System
 
-from .newton_iteration import DT, PARTS, Iteration, advance, measure
+from .clock import exponent, in_turns
+from .newton_iteration import DT, Iteration, advance, measure, split_table
+from .run_loop import Nowhere
 from .scenes import stepper_of
 from .shell_scenes import DIVISIONS, sheet
 from .table import table, verdict
@@ -65,6 +75,60 @@ class SameSteps:
         return lambda: advance(self._stepper, self._start, DT, self._steps)
 
 
+@dataclass(frozen=True, slots=True)
+class Aside:
+    """CPU times of what no iteration repeats [s].
+
+    Attributes:
+        binding: Pattern of the matrix and the places of all terms in it, once per topology.
+        analysis: Ordering and symbolic factorisation, once per topology.
+        writing: A frame of positions and state to HDF5.
+    """
+
+    binding: float
+    analysis: float
+    writing: float
+
+
+class Kept(Nowhere):
+    """A sink that keeps its last frame."""
+
+    def frame(self, frame: Frame) -> None:
+        self.last = frame
+
+
+def beside(simulation: Simulation, *, seconds: float) -> Aside:
+    """Times of a scene at rest; the analysis is what a first factorisation takes more than a second."""
+    stepper = stepper_of(simulation)
+    rest = stepper.prepare(stepper.rest_state())
+    pattern, free = stepper.system.pattern, np.zeros(simulation.model.dofs.n, dtype=bool)
+    free[pattern.free] = True
+    stage = stepper.integrator.stage(0, rest, rest, DT)
+    values = stepper.system.linearize(stage, rest.q, rest.frames).values.copy()
+    stepper.solver.factorize(values)
+
+    def first() -> None:
+        solver = LINEAR_SOLVERS[stepper.solver.name]()
+        solver.analyze(pattern)
+        solver.factorize(values)
+
+    kept = Kept()
+    run(replace(simulation, grid=simulation.grid[:1]), kept)
+    with tempfile.TemporaryDirectory() as folder:
+        writer = make_writer("hdf5", Path(folder))
+        writer.open(simulation.topology, {})
+        actions = [
+            lambda: System(simulation.model, free),
+            first,
+            lambda: stepper.solver.factorize(values),
+            lambda: writer.write(kept.last),
+        ]
+        turns = in_turns(actions, seconds=seconds)
+        writer.close()
+    analysis = float(np.median(turns[:, 1] - turns[:, 2]))
+    return Aside(float(turns[:, 0].min()), analysis, float(turns[:, 3].min()))
+
+
 def resident_peak() -> int:
     """Most memory that this process has held [KiB]; Linux only."""
     lines = Path("/proc/self/status").read_text(encoding="utf-8").splitlines()
@@ -109,30 +173,53 @@ def one_iteration(triangles: int, kernels: str, bending: str, quick: bool) -> tu
 
 
 def report(quick: bool) -> str:
-    """Ratios with their bars, the split, and memory."""
-    ratios, splits, memory = [], [], []
-    for kernels in BARS:
-        for triangles in DIVISIONS:
-            for bending in MODELS[kernels]:
+    """Ratios with their bars, the split, what is beside it, exponents, and memory."""
+    sizes = list(DIVISIONS)[:2] if quick else list(DIVISIONS)
+    ratios, splits, asides, growth, memory = [], [], [], [], []
+    for kernels, models in MODELS.items():
+        for bending in models:
+            grown = []
+            for triangles in sizes:
                 print(f"  {kernels} {triangles} {bending}", flush=True)
                 one, ratio = one_iteration(triangles, kernels, bending, quick)
                 ratios.append((kernels, triangles, bending, 1e3 * one.total, ratio, one.per_step))
-                splits.append((kernels, triangles, bending, *[1e3 * part for part in one.parts]))
-    for triangles in DIVISIONS:
+                splits.append(((kernels, triangles, bending), one))
+                simulation = sheet(triangles, bending=bending, kernels=kernels, dt=DT, t_end=1.0)
+                aside = beside(simulation, seconds=1.0 if quick else 5.0)
+                costs = (aside.binding, aside.analysis, aside.writing)
+                asides.append((kernels, triangles, bending, *[1e3 * cost for cost in costs]))
+                counted = (one.total, *[one.parts[part] for part in ("terms", "factorise", "solve")], *costs)
+                grown.append((len(simulation.topology.triangles), *counted))
+            growth.append((kernels, bending, *_exponents(grown)))
+    for triangles in sizes:
         for bending in BENDING:
             peak, before = peak_memory(triangles, bending)
             memory.append((triangles, bending, round(peak), round(peak - before)))
+    scene, once = ("kernels", "triangles", "bending"), ("binding", "analysis", "frame to HDF5")
     return "\n\n".join(
         (
             "## Shells\n\nOne Newton iteration, everything included: a square sheet of equilateral triangles "
             f"of 5 mm, clamped at one side, falls in steps of {1e3 * DT:g} ms (generalised-alpha); membrane "
             "of constant-strain triangles. S(T) and the steps with hinges are timed in turns with the steps; "
             "median of the ratios.",
-            table(("kernels", "triangles", "bending", "ms", "ratio", "iterations per step"), ratios),
-            "Where the time goes [ms per iteration], as for rods:",
-            table(("kernels", "triangles", "bending", *PARTS), splits),
+            table((*scene, "ms", "ratio", "iterations per step"), ratios),
+            split_table(scene, splits),
+            "Beside the iterations [ms]. Once per topology: binding makes the pattern of the matrix and "
+            "finds the place of every term in it; analysis is ordering and symbolic factorisation, measured "
+            "as what a first factorisation takes more than a second. Once per frame: positions, q and v "
+            "appended to the run file without further fields (CPU time, without the disk's):",
+            table((*scene, *once), asides),
+            f"Exponents of these times in the number of triangles, fitted from {sizes[0]} to {sizes[-1]} "
+            "(1 is linear; factors of plane meshes are expected to take 1.5 at best):",
+            table(("kernels", "bending", "iteration", "terms", "factorise", "solve", *once), growth),
             "Peak memory [MiB] of a process that builds the sheet and takes a step with compiled kernels; "
             "the second column is what the scene adds to Python with its libraries:",
             table(("triangles", "bending", "peak", "of the scene"), memory),
         )
     )
+
+
+def _exponents(grown: Sequence[tuple[float, ...]]) -> list[float]:
+    """Exponents of every column of times in the first, the size."""
+    triangles, *columns = zip(*grown, strict=True)
+    return [exponent(triangles, times) for times in columns]
