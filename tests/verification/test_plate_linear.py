@@ -13,8 +13,6 @@ from dismech_cli.mesh.mesh import Mesh
 
 PLATE = Material(youngs_modulus=1.0, poisson_ratio=0.3, thickness=0.01)
 BEAM = 1.0 / (1.0 - 0.3**2)  # D over E h^3 / 12
-# Navier's double series for a simply supported square: center deflection D / (q a^4)
-NAVIER = 0.004062353
 PATTERNS = (Pattern.RIGHT, Pattern.ALTERNATING, Pattern.UNSTRUCTURED, Pattern.EQUILATERAL)
 
 
@@ -26,14 +24,25 @@ def transverse(made: Shell) -> BoolArray:
     return free
 
 
+def navier(x: float, y: float) -> float:
+    """Deflection D / (q a^4) of a simply supported unit square at a point, by Navier's double series."""
+    m = np.arange(1, 400, 2)
+    waves = np.outer(np.sin(m * np.pi * x), np.sin(m * np.pi * y))
+    return float(16.0 / np.pi**6 * (waves / (np.outer(m, m) * np.add.outer(m**2, m**2) ** 2)).sum())
+
+
 def supported_square(bending: str, pattern: Pattern, divisions: int) -> float:
-    """Largest deflection of a simply supported square under uniform load, over Navier's."""
+    """Deflection of a simply supported square under uniform load, over Navier's at the same point.
+
+    The point is the node nearest the centre, which most meshes do not have a node at.
+    """
     mesh = sheet(1.0, 1.0, divisions, pattern)
     made = shell(mesh, bending, material=PLATE)
     free = transverse(made)
     free[3 * mesh.node_groups["rim"] + 2] = False
     u = linear_solution(made, free, pressed(made, 1.0))
-    return float(u[2 : made.model.dofs.n_positions : 3].max()) * PLATE.rigidity / NAVIER
+    node = int(np.argmin(np.hypot(mesh.nodes[:, 0] - 0.5, mesh.nodes[:, 1] - 0.5)))
+    return float(u[3 * node + 2]) * PLATE.rigidity / navier(mesh.nodes[node, 0], mesh.nodes[node, 1])
 
 
 def order(errors: list[float]) -> float:
@@ -42,21 +51,34 @@ def order(errors: list[float]) -> float:
     return -float(np.polyfit(steps, np.log2(np.abs(errors)), 1)[0])
 
 
+def test_navier_at_the_centre_is_the_tabulated_number() -> None:
+    assert_allclose(navier(0.5, 0.5), 0.0040624, atol=5e-8)
+
+
+# Refined grids nest, and the next term of their error is of fourth order. Rows of equilateral triangles are
+# rounded to whole ones: at 10 divisions they are 4 % lower, which is 8 % of a squared length or 0.06 of the
+# order, and the share of halved triangles at two sides falls by 3/4. Random triangles differ by as much.
+SCATTER = dict(zip(PATTERNS, (0.02, 0.02, 0.1, 0.1), strict=True))
+
+
+def assert_second_order(pattern: Pattern, divisions: tuple[int, int, int]) -> None:
+    """Too soft by less than 3.5 / n^2, which is 0.22 % at 40 divisions, and falling as that."""
+    errors = np.array([supported_square("midedge", pattern, n) - 1.0 for n in divisions])
+    assert (errors > 0.0).all()
+    assert (errors < 3.5 / np.array(divisions) ** 2).all()
+    assert_allclose(order(list(errors)), 2.0, atol=SCATTER[pattern])
+
+
 @pytest.mark.parametrize("pattern", PATTERNS)
 def test_midedge_converges_on_every_mesh(pattern: Pattern) -> None:
-    """Second order, and within 1 % at 40 divisions: no preferred diagonal, no regular net needed."""
-    errors = [supported_square("midedge", pattern, n) - 1.0 for n in (10, 20, 40)]
-    for n, error in zip((10, 20, 40), errors, strict=True):
-        assert 0.0 < error < 4.0 / n**2
-    if pattern in (Pattern.RIGHT, Pattern.ALTERNATING):  # nested meshes: a clean order
-        assert_allclose(order(errors), 2.0, atol=0.05)
+    """No preferred diagonal, no regular net needed."""
+    assert_second_order(pattern, (10, 20, 40))
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("pattern", PATTERNS)
 def test_midedge_converges_further(pattern: Pattern) -> None:
-    """Six hundredths of a per cent at 80 divisions."""
-    assert_allclose(supported_square("midedge", pattern, 80), 1.0, atol=4.0 / 80**2)
+    assert_second_order(pattern, (20, 40, 80))
 
 
 @pytest.mark.parametrize(
