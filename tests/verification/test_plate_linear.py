@@ -169,14 +169,14 @@ def cantilever(pattern: Pattern, divisions: int, width: float, *, sides: bool) -
 def test_wide_cantilever(pattern: Pattern) -> None:
     """Cylindrical bending: F L^3 / (3 D b), stiffer than a beam by 1 / (1 - nu^2)."""
     ratio = cantilever(pattern, 20, 1.0, sides=True) * 3.0 * PLATE.rigidity
-    assert_allclose(ratio, 1.0, atol=0.01)
+    assert_allclose(ratio, 1.0, atol=1.2 / 20**2)
 
 
 @pytest.mark.parametrize("pattern", PATTERNS)
 def test_narrow_cantilever(pattern: Pattern) -> None:
-    """A strip ten times longer than wide: Euler-Bernoulli's F L^3 / (3 E I) within 2 %.
+    """A strip ten times longer than wide: Euler-Bernoulli's F L^3 / (3 E I) within 1 %.
 
-    The clamp hinders the root's Poisson strain over about half a width, which stiffens by 1 %.
+    By so much the clamp stiffens it, which hinders the root's Poisson strain over about half a width.
     """
     ratio = cantilever(pattern, 40, 0.1, sides=False) * 3.0 * 0.1 * 0.01**3 / 12.0
-    assert_allclose(ratio, 1.0, atol=0.02)
+    assert_allclose(ratio, 1.0, atol=0.01)
