@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -70,7 +71,8 @@ def test_anti_parallel_edges_are_refused_or_named(tmp_path: Path) -> None:
         attempt(tmp_path, deck)
 
 
-def test_sharp_kink_is_solved_or_given_up_with_a_reason(tmp_path: Path) -> None:
+def test_sharp_kink_is_given_up_with_a_reason(tmp_path: Path) -> None:
+    """A thousandth short of folded the curvature 2 tan(phi/2) is near its pole: told with the place."""
     points = [[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.0, 0.0, 1e-4]]
     deck = rod_deck(
         {"shape": "polyline", "points": points, "spacing": 0.02},
@@ -80,25 +82,33 @@ def test_sharp_kink_is_solved_or_given_up_with_a_reason(tmp_path: Path) -> None:
         forces=[WEIGHT],
     )
     result = attempt(tmp_path, deck)
-    assert result.outcome.end in (End.DONE, End.FAILED)
-    assert result.outcome.end is End.DONE or "advice" in result.outcome.message
-    assert all(np.isfinite(frame.positions).all() for frame in result.frames)
+    assert result.outcome.end is End.FAILED
+    assert ": factorization failed\n" in result.outcome.message
+    # rounding decides which node by the kink, the sixth
+    assert re.search(r"N at z of node [456] \(rod 'rod'", result.outcome.message)
+    # what was reached before is the shape at rest: so sharp a kink does not give way
+    for frame in result.frames:
+        assert_allclose(frame.positions, result.frames[0].positions, rtol=0, atol=1e-4)
 
 
-def test_folding_by_force_is_solved_or_given_up_with_a_reason(tmp_path: Path) -> None:
-    """The far end is led back to the near one: edges turn against each other."""
-    deck = rod_deck(
-        line(7),
-        given_section(axial=1e4),
-        motions=[
-            {"type": "clamp", "where": "rod.start"},
-            {"type": "pin", "where": "rod.end", "displacement": [-1.999, 0.0, 1e-3]},
-        ],
-        numerics={"integrator": {"type": "static", "load_steps": 20}},
-    )
-    result = attempt(tmp_path, deck)
-    assert result.outcome.end is End.DONE or "advice" in result.outcome.message
-    assert all(np.isfinite(frame.positions).all() for frame in result.frames)
+def test_folding_by_force_is_solved(tmp_path: Path) -> None:
+    """The far end is led back to the near one: edges turn against each other, however long the steps."""
+
+    def folded(steps: int) -> Deck:
+        return rod_deck(
+            line(7),
+            given_section(axial=1e4),
+            motions=[
+                {"type": "clamp", "where": "rod.start"},
+                {"type": "pin", "where": "rod.end", "displacement": [-1.999, 0.0, 1e-3]},
+            ],
+            numerics={"integrator": {"type": "static", "load_steps": steps}},
+        )
+
+    shapes = [solve(tmp_path, folded(steps)).frames[-1].positions for steps in (20, 40)]
+    for shape in shapes:
+        assert_allclose(shape[-1], [-0.999, 0.0, 1e-3], rtol=0, atol=1e-12)
+    assert_allclose(shapes[1], shapes[0], rtol=0, atol=1e-8)
 
 
 @pytest.mark.parametrize("load_steps", [100, pytest.param(1000, marks=pytest.mark.slow)])
@@ -189,21 +199,14 @@ def heavy(origin: float, numerics: Deck) -> Deck:
     )
 
 
-@pytest.mark.parametrize(("offset", "loss"), [(1.0, 1e-9), (1e3, 1e-6)])
-def test_far_from_the_origin(tmp_path: Path, offset: float, loss: float) -> None:
-    """Positions are rounded to 1e-16 of the offset, which the ratio of bending to strain amplifies."""
+@pytest.mark.parametrize("offset", [1.0, 1e3, 1e6])
+def test_far_from_the_origin(tmp_path: Path, offset: float) -> None:
+    """Positions are rounded to 2e-16 of the offset, which turns an edge and with it all that hangs on it."""
     static: Deck = {"integrator": {"type": "static", "load_steps": 5}}
     near = tip(solve(tmp_path, heavy(0.0, static)))
     far = tip(solve(tmp_path, heavy(offset, static))) - offset
-    assert_allclose(far, near, rtol=0, atol=0.1 * loss)
-
-
-@pytest.mark.parametrize("offset", [1e6])
-def test_very_far_from_the_origin(tmp_path: Path, offset: float) -> None:
-    """At 1e6 m rounding is 1e-10 m, 1e-7 of the edges' strain: little is left, but it ends and is finite."""
-    result = attempt(tmp_path, heavy(offset, {"integrator": {"type": "static", "load_steps": 5}}))
-    assert result.outcome.end is End.DONE or "advice" in result.outcome.message
-    assert np.isfinite(result.frames[-1].positions).all()
+    edges = 20
+    assert_allclose(far, near, rtol=0, atol=edges * np.finfo(float).eps * offset)
 
 
 @pytest.mark.parametrize("integrator", ["static", "implicit_euler", "generalized_alpha"])

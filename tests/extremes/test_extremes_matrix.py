@@ -1,4 +1,4 @@
-"""Every corner of the range of inputs: a run converges or gives up with a named reason, finite all along.
+"""Every corner of the range of inputs: which runs converge, which give up and why, finite all along.
 
 The fast cells vary one input at a time around a soft cantilever; the slow ones take the whole product.
 """
@@ -65,15 +65,17 @@ def cantilever(
     )
 
 
-def assert_sane(result: Result) -> None:
-    """Finite in every frame; if it gave up, it says why."""
+def assert_finite(result: Result) -> None:
+    """In every frame."""
     for frame in result.frames:
         assert np.isfinite(frame.positions).all()
         assert np.isfinite(list(frame.scalars.values())).all()
-    if result.outcome.end is not End.DONE:
-        assert result.outcome.end is End.FAILED
-        assert "gave up at" in result.outcome.message or "blew up" in result.outcome.message
-        assert "advice" in result.outcome.message
+
+
+def assert_done(result: Result) -> None:
+    """To the end, finite all along."""
+    assert_finite(result)
+    assert result.outcome.end is End.DONE, result.outcome.message
 
 
 CELLS = [(axis, value) for axis, values in AXES.items() for value in values if value != BASE[axis]]
@@ -85,9 +87,11 @@ def test_one_extreme_input_in_time(tmp_path: Path, axis: str, value: float, inte
     """With a single extreme the run converges, whichever it is."""
     deck = cantilever(**(BASE | {axis: value}))
     deck["numerics"]["integrator"] = {"type": integrator}
-    result = attempt(tmp_path, deck)
-    assert_sane(result)
-    assert result.outcome.end is End.DONE, result.outcome.message
+    assert_done(attempt(tmp_path, deck))
+
+
+# Steps longer than a tenth of a pendulum's period, in which the default integrator makes energy.
+RUNAWAY = {("gravity", 1e3), ("dt", 0.1), ("dt", 1.0)}
 
 
 @pytest.mark.slow
@@ -97,25 +101,47 @@ def test_one_extreme_input_with_little_damping(tmp_path: Path, axis: str, value:
 
     Such a run is told by the energy that it makes. A tenth of a pendulum's period always converges.
     """
-    cell = BASE | {axis: value}
-    deck = cantilever(**cell)
+    deck = cantilever(**(BASE | {axis: value}))
     deck["numerics"]["integrator"] = {"type": "generalized_alpha"}
     result = attempt(tmp_path, deck)
-    assert_sane(result)
-    resolved = cell["gravity"] * (cell["dt"] / (0.2 * np.pi)) ** 2 < cell["aspect"] * cell["radius"]
-    if resolved:
-        assert result.outcome.end is End.DONE, result.outcome.message
-    if "blew up" in result.outcome.message:
+    if (axis, value) in RUNAWAY:
+        assert_finite(result)
+        assert result.outcome.end is End.FAILED
+        assert "the motion blew up by t =" in result.outcome.message
         assert "choose tr_bdf2 or implicit_euler" in result.outcome.message
+    else:
+        assert_done(result)
 
 
 @pytest.mark.parametrize("dimension", [2, 3])
 @pytest.mark.parametrize(("axis", "value"), [cell for cell in CELLS if cell[0] != "dt"])
 def test_one_extreme_input_at_rest(tmp_path: Path, axis: str, value: float, dimension: int) -> None:
     cell: dict[str, Any] = BASE | {axis: value, "dt": None}
-    result = attempt(tmp_path, cantilever(**cell, dimension=dimension))
-    assert_sane(result)
-    assert result.outcome.end is End.DONE, result.outcome.message
+    assert_done(attempt(tmp_path, cantilever(**cell, dimension=dimension)))
+
+
+# Static corners that give up, by modulus and radius: aspects. All hang under g = 1e3 m/s^2, which stretches
+# them 2e5 times over and more, and of density 2e4 but for one. A corner that leaves the list has improved.
+GIVEN_UP = {
+    (1e2, 1e-4): {1e4, 1e5},
+    (1e2, 1e-3): {1e3, 1e4, 1e5},
+    (1e2, 1e-2): {1e3, 1e4, 1e5},
+    (1e2, 1.0): {1e2, 1e3, 1e4, 1e5},
+    (1e4, 1e-3): {1e5},
+    (1e4, 1e-2): {1e4, 1e5},
+    (1e4, 1.0): {1e3, 1e4, 1e5},
+    (1e6, 1.0): {1e4, 1e5},
+}
+GIVEN_UP_LIGHT = (1e2, 1.0, 1e5)
+
+
+def gives_up(modulus: float, radius: float, aspect: float, density: float, gravity: float) -> bool:
+    """Whether a static corner is among those that are known not to converge."""
+    if gravity < max(GRAVITY):
+        return False
+    if density < max(DENSITY):
+        return (modulus, radius, aspect) == GIVEN_UP_LIGHT
+    return aspect in GIVEN_UP.get((modulus, radius), ())
 
 
 @pytest.mark.slow
@@ -126,10 +152,18 @@ def test_every_corner(tmp_path: Path, modulus: float, radius: float, aspect: flo
     """The product of the extremes of the other inputs, in time and static."""
     corners = product(DENSITY[::2], GRAVITY[1::2], (*STEP[::3], STEP[-1], None))
     for density, gravity, dt in corners:
-        deck = cantilever(
-            modulus=modulus, radius=radius, density=density, aspect=aspect, gravity=gravity, dt=dt
-        )
-        assert_sane(attempt(tmp_path, deck))
+        body = {"modulus": modulus, "radius": radius, "aspect": aspect, "density": density}
+        result = attempt(tmp_path, cantilever(**body, gravity=gravity, dt=dt))
+        if dt is None and gives_up(**body, gravity=gravity):
+            assert_finite(result)
+            assert result.outcome.end is End.FAILED
+            reason, place = result.outcome.message.splitlines()[:2]
+            assert reason.startswith("the solver gave up at")
+            assert reason.endswith(": factorization failed")
+            # it is stretched most at its root
+            assert " at z of node 1 (" in place or " at z of node 2 (" in place
+        else:
+            assert_done(result)
 
 
 @pytest.mark.parametrize("aspect", ASPECT)
