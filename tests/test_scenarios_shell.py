@@ -158,3 +158,32 @@ def test_parachute_starts_in_free_fall():
     # Implicit Euler falls g dt^2 (1 + 2 + ... + 5) in five steps; the air holds the canopy, and its
     # pull has hardly come down the ropes.
     assert_allclose((start - end)[payload, 2], 15.0 * 9.81e-4, rtol=1e-3)
+
+
+# Jellyfish
+
+
+@pytest.mark.slow
+def test_the_bell_climbs_by_the_same_in_every_period_but_the_first():
+    """Thrust and drag balance from the second beat on; it starts from rest, contracting at full thrust."""
+    memory = Memory()
+    outcome = run(build(scene("jellyfish")).simulation, memory)
+    assert outcome.end is End.DONE, outcome.message
+    middle = np.array([frame.positions.mean(axis=0) for frame in memory.frames])
+    times = np.array([frame.t for frame in memory.frames])
+    heights = np.interp([0.0, 0.5, 1.0, 1.5, 2.0], times, middle[:, 2])
+    gains = np.diff(heights)
+    assert gains[0] > gains[1] > 0.03
+    assert_allclose(gains[2:], gains[1], rtol=1e-5)
+
+
+@pytest.mark.parametrize(("name", "start"), [("jellyfish", 0.39118), ("jellyfish_tentacles", 0.39050)])
+def test_expected_heights_of_the_jellyfish_rise_in_every_period(name: str, start: float):
+    """Whatever of what the tolerances allow is measured."""
+    expected = [e for what, e in scene(name).scenario.expect.items() if what.startswith("height_")]
+    assert [e.at for e in expected] == [0.5, 1.0, 1.5, None]
+    assert all(e.tolerance.kind == "absolute" for e in expected)
+    before = start
+    for e in expected:
+        assert e.value - e.tolerance.size > before
+        before = e.value + e.tolerance.size
