@@ -12,6 +12,7 @@ from dismech_cli.energies.bend_isotropic import BEND_ISOTROPIC
 from dismech_cli.energies.bend_planar import BEND_PLANAR
 from dismech_cli.energies.bend_twist import BEND_TWIST
 from dismech_cli.energies.stretch import STRETCH, STRETCH_PLANAR
+from dismech_cli.forces.follower import Carrier, FollowerForce, FramedEdges, PlanarEdges
 from dismech_cli.forces.gravity import weight
 from dismech_cli.forces.load import DeadLoad
 from dismech_cli.forces.moment import EdgeMoment
@@ -417,6 +418,23 @@ def _moment(edges: IntArray) -> Callable[[Model], Term]:
     return build
 
 
+def _follower(edges: IntArray) -> Callable[[Model], Term]:
+    def build(model: Model) -> Term:
+        dofs, loaded = model.dofs, np.array([0, 2, 3])
+        nodes = np.zeros((dofs.n_nodes, 3))
+        nodes[:, list(dofs.axes)] = dofs.positions(model.rest)
+        if dofs.n_angles:
+            assert isinstance(model.frames, RodFrames)
+            carrier: Carrier = FramedEdges.of(dofs, model.frames, loaded, model.rest)
+        else:
+            carrier = PlanarEdges.of(dofs, edges[loaded], nodes)
+        shares = np.array([[0.5, 1.0], [0.0, 0.7], [0.3, 0.2]])
+        force = dofs.embed(dofs.project(np.array([[0.3, -0.8, 0.5]])))[0]
+        return FollowerForce.of("follower", carrier, shares, force, Constant(1.4))
+
+    return build
+
+
 def term_cases() -> dict[str, TermCase]:
     """One tiny instance of every term; networks where joints need both signs."""
     flat, chain5 = ring(7)[0][:5], chain(5)
@@ -441,6 +459,8 @@ def term_cases() -> dict[str, TermCase]:
         "resistive": _with(space, _resistive(chain5)),
         "resistive_network": _with(network, _resistive(edges)),
         "resistive_planar": _with(planar, _resistive(chain5)),
+        "follower_framed": _with(network, _follower(edges)),
+        "follower_planar": _with(planar, _follower(chain5)),
         "moment": _with(space, _moment(chain5)),
         "moment_framed": _with(network, _moment(edges)),
         "moment_planar": _with(planar, _moment(chain5)),

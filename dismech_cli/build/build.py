@@ -86,7 +86,9 @@ def build(
         *build_shell_elastic(loaded, geometry, free, shells, laws),
     )
     payload = point_masses(loaded, geometry, dofs.n_nodes)
-    forces = build_forces(Setting(loaded, geometry, free, shells.normals, dofs, payload, laws))
+    forces = build_forces(
+        Setting(loaded, geometry, free, shells.normals, numbering, rods.frames, payload, laws)
+    )
     sides = [edge_lengths(geometry.nodes, topology.edges) for topology in free.topologies.values()]
     model = Model(
         dofs=dofs,

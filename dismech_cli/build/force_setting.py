@@ -11,12 +11,14 @@ from ..arrays import FloatArray
 from ..forces.gravity import weight
 from ..forces.load import DeadLoad
 from ..model.dofs import DofMap
+from ..model.frames import Frames
 from ..model.laws import Law
 from ..model.shell_frames import ShellFrames
 from ..scenario.force import Force
 from ..scenario.load import LoadedScenario
 from .geometry import Geometry
 from .laws import ToLaw, vanishes
+from .numbering import Numbering
 from .selection import KeyPath
 from .shell_edges import ShellEdges
 
@@ -30,7 +32,8 @@ class Setting:
         geometry: The bodies.
         free: Shell edges with free normals.
         normals: Frames of those normals, or None.
-        dofs: Numbering.
+        numbering: DOFs and their values at rest.
+        frames: Frames of the rods, or their absence.
         payload: Point mass of each node [kg], shape (n_nodes,).
         laws: Laws of time from those of the scenario.
     """
@@ -39,9 +42,15 @@ class Setting:
     geometry: Geometry
     free: ShellEdges
     normals: ShellFrames | None
-    dofs: DofMap
+    numbering: Numbering
+    frames: Frames
     payload: FloatArray
     laws: ToLaw
+
+    @property
+    def dofs(self) -> DofMap:
+        """Numbering."""
+        return self.numbering.dofs
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,6 +70,20 @@ class Place:
         return ("forces", self.index, *path)
 
 
+def parts(setting: Setting, path: KeyPath, vector: tuple[Law, ...]) -> Iterator[tuple[int, Law]]:
+    """The components of a vector that do not vanish: axis and law.
+
+    Raises:
+        ScenarioError: One leaves the plane of a planar scene.
+    """
+    for axis, law in enumerate(vector):
+        if vanishes(law):
+            continue
+        if axis not in setting.dofs.axes:
+            raise setting.loaded.error(path, f"has a part in {'xyz'[axis]}, out of the plane of the scene")
+        yield axis, law
+
+
 def dead_loads(
     setting: Setting, name: str, path: KeyPath, vector: tuple[Law, ...], nodal: FloatArray
 ) -> Iterator[DeadLoad]:
@@ -76,11 +99,7 @@ def dead_loads(
     Raises:
         ScenarioError: A component leaves the plane of a planar scene.
     """
-    for axis, law in enumerate(vector):
-        if vanishes(law):
-            continue
-        if axis not in setting.dofs.axes:
-            raise setting.loaded.error(path, f"has a part in {'xyz'[axis]}, out of the plane of the scene")
+    for axis, law in parts(setting, path, vector):
         unit = np.zeros(3)
         unit[axis] = 1.0
         yield DeadLoad(f"{name}.{'xyz'[axis]}", weight(setting.dofs, nodal, unit), law)

@@ -7,7 +7,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from ..forces.load import DeadLoad
+from ..model.term import Term
 from ..scenario.force import Buoyancy, Gravity, Point
+from .followers import carried_at_nodes, follower_loads
 from .force_setting import Place, Setting, dead_loads
 from .inertia import nodal_mass, nodal_volume
 from .laws import components
@@ -31,9 +33,11 @@ def buoyancy(setting: Setting, place: Place, force: Buoyancy) -> Iterator[DeadLo
             yield from dead_loads(setting, name, place.key(), vector, -force.fluid_density * volume)
 
 
-def point(setting: Setting, place: Place, force: Point) -> Iterator[DeadLoad]:
+def point(setting: Setting, place: Place, force: Point) -> Iterator[Term]:
     """The same force on each selected node."""
     nodes = select_nodes(setting.loaded, setting.geometry, force.where, place.key("where"))
+    path, vector = place.key("force"), components(force.force, setting.laws)
+    if force.follower:
+        return follower_loads(setting, place.name, path, vector, carried_at_nodes(setting, nodes))
     once = np.bincount(nodes, minlength=setting.dofs.n_nodes).astype(np.float64)
-    vector = components(force.force, setting.laws)
-    return dead_loads(setting, place.name, place.key("force"), vector, once)
+    return dead_loads(setting, place.name, path, vector, once)

@@ -16,6 +16,7 @@ from ..arrays import BoolArray, IntArray
 from ..mesh.topology import ChainKind, chains, rod_stencils
 from ..model.strains import curvature_binormal
 from ..scenario.actuation import CurvatureActuation, TwistActuation
+from ..scenario.force import Distributed, Point
 from ..scenario.load import LoadedScenario
 from ..scenario.motion import Twist
 from ..scenario.numerics import Static
@@ -23,6 +24,7 @@ from ..scenario.probe import TwistProbe
 from .doubts import scene_doubts
 from .geometry import Geometry
 from .holds import Hold, twists
+from .selection import select_nodes
 from .shell_bending import bending_of
 
 # A rest shape counts as straight below this integrated curvature; mesh files carry 1e-10.
@@ -171,6 +173,8 @@ def _needs_frames(loaded: LoadedScenario, geometry: Geometry, holds: tuple[Hold,
         return "a rod is closed or branches"
     if any(force.turns_rods for force in scenario.forces):
         return "a moment acts"
+    if _follows_a_rod(loaded, geometry):
+        return "a load turns with a rod"
     if any(isinstance(motion, Twist) for motion in scenario.motions) or any(twists(hold) for hold in holds):
         return "a motion turns an edge about the rod"
     if any(isinstance(a, CurvatureActuation | TwistActuation) for a in scenario.actuation):
@@ -185,6 +189,18 @@ def _needs_frames(loaded: LoadedScenario, geometry: Geometry, holds: tuple[Hold,
     if any(isinstance(probe, TwistProbe) for probe in probes):
         return "a probe measures twist"
     return ""
+
+
+def _follows_a_rod(loaded: LoadedScenario, geometry: Geometry) -> bool:
+    """Whether a load turns with an edge of a rod."""
+    for index, force in enumerate(loaded.scenario.forces):
+        if isinstance(force, Distributed) and force.follower:
+            return True
+        if isinstance(force, Point) and force.follower:
+            nodes = select_nodes(loaded, geometry, force.where, ("forces", index, "where"))
+            if np.isin(nodes, geometry.edges).any():
+                return True
+    return False
 
 
 def _most_held(geometry: Geometry, holds: tuple[Hold, ...]) -> int:

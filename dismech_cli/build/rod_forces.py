@@ -7,24 +7,26 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from ..arrays import FloatArray
-from ..forces.load import DeadLoad
 from ..forces.moment import EdgeMoment
 from ..forces.resistive import resistive_force
 from ..forces.viscous import ViscousDamping
 from ..model.mass import nodal_lengths
 from ..model.term import Term
 from ..scenario.force import Distributed, Moment, Resistive, Viscous
+from .followers import carried_by_edges, follower_loads
 from .force_setting import Place, Setting, dead_loads
 from .geometry import Geometry
 from .laws import components, vanishes
 from .selection import select_nodes
 
 
-def distributed(setting: Setting, place: Place, force: Distributed) -> Iterator[DeadLoad]:
+def distributed(setting: Setting, place: Place, force: Distributed) -> Iterator[Term]:
     """A force per rest length."""
-    length = _nodal_lengths(setting, force.rods)
-    vector = components(force.force_per_length, setting.laws)
-    return dead_loads(setting, place.name, place.key("force_per_length"), vector, length)
+    path, vector = place.key("force_per_length"), components(force.force_per_length, setting.laws)
+    if force.follower:
+        carried = carried_by_edges(setting, _selected(setting.geometry, force.rods))
+        return follower_loads(setting, place.name, path, vector, [carried])
+    return dead_loads(setting, place.name, path, vector, _nodal_lengths(setting, force.rods))
 
 
 def viscous(setting: Setting, place: Place, force: Viscous) -> Iterator[Term]:

@@ -11,7 +11,6 @@ from ..forces.aerodynamic import aerodynamic_drag
 from ..forces.edge_torque import EdgeTorque
 from ..forces.hydrodynamic import area_damping as damping_term
 from ..forces.hydrodynamic import hydrodynamic_drag
-from ..forces.load import DeadLoad
 from ..forces.moment import EdgeMoment
 from ..forces.pressure import pressure as pressure_term
 from ..forces.thrust import thrust as thrust_term
@@ -28,6 +27,7 @@ from ..scenario.force import (
     Pressure,
     Thrust,
 )
+from .followers import carried_by_sides, follower_loads
 from .force_setting import Place, Setting, dead_loads
 from .geometry import Geometry
 from .inertia import nodal_mass
@@ -98,7 +98,7 @@ def thrust(setting: Setting, place: Place, force: Thrust) -> Iterator[Term]:
     )
 
 
-def line_load(setting: Setting, place: Place, force: LineLoad) -> Iterator[DeadLoad]:
+def line_load(setting: Setting, place: Place, force: LineLoad) -> Iterator[Term]:
     """Forces on the shell edges between selected nodes, half of each at either end.
 
     Raises:
@@ -110,9 +110,11 @@ def line_load(setting: Setting, place: Place, force: LineLoad) -> Iterator[DeadL
     edges = np.unique(sides[np.isin(sides, nodes).all(axis=1)], axis=0)
     if edges.size == 0:
         raise setting.loaded.error(place.key("where"), "selects no edge of a shell")
+    path, vector = place.key("force_per_length"), components(force.force_per_length, setting.laws)
+    if force.follower:
+        return follower_loads(setting, place.name, path, vector, [carried_by_sides(setting, edges)])
     length = nodal_lengths(setting.dofs.n_nodes, edges, edge_lengths(geometry.nodes, edges))
-    vector = components(force.force_per_length, setting.laws)
-    return dead_loads(setting, place.name, place.key("force_per_length"), vector, length)
+    return dead_loads(setting, place.name, path, vector, length)
 
 
 def line_moment(setting: Setting, place: Place, force: LineMoment) -> Iterator[Term]:

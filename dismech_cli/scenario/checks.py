@@ -243,6 +243,10 @@ def _output(scenario: Scenario) -> Iterator[Finding]:
         for path, probe in _probes(scenario):
             if isinstance(probe, StabilityProbe):
                 yield path, "eigenvalues are computed in static runs only"
+    elif any(getattr(force, "follower", False) for force in scenario.forces):
+        for path, probe in _probes(scenario):
+            if isinstance(probe, StabilityProbe):
+                yield path, "a follower load makes the stiffness unsymmetric: its sign tells nothing"
 
 
 def _expectations(scenario: Scenario) -> Iterator[Finding]:

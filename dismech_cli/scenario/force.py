@@ -52,6 +52,11 @@ class Point(Load):
     type: Literal["point"] = Field(description="Kind of load.")
     where: Selection = Field(description="Nodes.")
     force: ForceLaws = Field(description="Force on each node.")
+    follower: bool = Field(
+        default=False,
+        description="Whether the force, given as in the rest shape, turns with the body: with the edges of "
+        "rods at the node, or without any with the triangles around it.",
+    )
 
 
 class LineLoad(Load):
@@ -59,7 +64,11 @@ class LineLoad(Load):
 
     type: Literal["line"] = Field(description="Kind of load.")
     where: Selection = Field(description="Nodes; an edge with both ends among them is loaded.")
-    force_per_length: ForcePerLengthLaws = Field(description="Force per rest length, of fixed direction.")
+    force_per_length: ForcePerLengthLaws = Field(description="Force per rest length.")
+    follower: bool = Field(
+        default=False,
+        description="Whether the force, given as in the rest shape, turns with the triangles at each edge.",
+    )
 
 
 class LineMoment(Load):
@@ -90,6 +99,10 @@ class Distributed(Load):
     type: Literal["distributed"] = Field(description="Kind of load.")
     rods: BodyNames | None = Field(default=None, description="Names of rods; default: all.")
     force_per_length: ForcePerLengthLaws = Field(description="Force per rest length.")
+    follower: bool = Field(
+        default=False,
+        description="Whether the force, given as in the rest shape, turns with each edge of the rods.",
+    )
 
 
 class Viscous(Load):
