@@ -127,6 +127,8 @@ def _conclude(session: Session, outcome: Outcome, stop: StopRequest) -> Report:
             console.say(f"{message}; {resume}")
             code = _pause_code(session.limits, outcome, stop)
         case End.DONE:
+            for doubt in outcome.doubts:
+                console.warn(doubt)
             verdicts = judge(session.loaded.scenario.expect, outcome)
             missed = [v.name for v in verdicts if not v.passed]
             code = Exit.EXPECTATION if missed else Exit.DONE

@@ -40,7 +40,7 @@ class Roles:
 class EnergyAccount:
     """Sums work over steps; measures stored energies on demand."""
 
-    columns = ("external_work", "actuation_work", "dissipation", "initial")
+    columns = ("external_work", "actuation_work", "dissipation", "initial", "largest")
 
     def __init__(self, model: Model, roles: Roles, initial_velocity: FloatArray) -> None:
         self._model = model
@@ -98,7 +98,16 @@ class EnergyAccount:
         entries["external_work"] = s["external_work"] + s["actuation_work"]
         entries["dissipation"] = s["dissipation"]
         entries["error"] = entries["total"] - s["initial"] - entries["external_work"] + s["dissipation"]
+        s["largest"] = max(s["largest"], entries["kinetic"] + abs(entries["elastic"]))
         return entries
+
+    def growth(self, entries: Mapping[str, float]) -> float:
+        """Energy that nothing gave, as a share of the largest kinetic and elastic energy of the run.
+
+        Args:
+            entries: Result of :meth:`measure`.
+        """
+        return entries["error"] / self.sums["largest"] if self.sums["largest"] and self._mass else 0.0
 
     def runs_away(self, entries: Mapping[str, float], seconds: float) -> bool:
         """Whether the robot holds far more energy than it was given: the integrator has blown up.

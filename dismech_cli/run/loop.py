@@ -20,13 +20,16 @@ from ..solve.status import Status
 from ..solve.step import Stepper, StepResult
 from .account import EnergyAccount
 from .clock import Clock
-from .failure import Attempt, describe_failure, describe_runaway
+from .failure import Attempt, describe_failure, describe_growth, describe_runaway
 from .interrupt import StopRequest
 from .observe import Observer
 from .simulation import Simulation
 from .snapshot import Snapshot
 
 Arrays = Mapping[str, FloatArray]
+
+# A run that ends with more energy from nowhere than this share of its largest has an unstable step.
+_GROWTH = 0.05
 
 
 class End(Enum):
@@ -91,6 +94,7 @@ class Outcome:
         seconds: Wall time by phase [s].
         times: Times of the watched values [s].
         watched: Values of the watched probes after every step.
+        doubts: What makes a finished run doubtful, a line each.
     """
 
     end: End
@@ -100,6 +104,7 @@ class Outcome:
     seconds: Mapping[str, float]
     times: FloatArray
     watched: Mapping[str, FloatArray]
+    doubts: tuple[str, ...] = ()
 
 
 @dataclass
@@ -206,7 +211,14 @@ def _advance(loop: _Loop, state: State, limits: Limits, stop: StopRequest) -> Ou
             _checkpoint(loop, state)
             saved = time.monotonic()
     _checkpoint(loop, state)
-    return _outcome(loop, state, End.DONE, "")
+    return replace(_outcome(loop, state, End.DONE, ""), doubts=_doubts(loop, state))
+
+
+def _doubts(loop: _Loop, state: State) -> tuple[str, ...]:
+    """Energy from nowhere at the end, more than an integrator may round."""
+    entries = loop.account.measure(state)
+    share = loop.account.growth(entries)
+    return (describe_growth(loop.simulation, entries["error"], share),) if share > _GROWTH else ()
 
 
 def _step(loop: _Loop, state: State, target: float) -> StepResult:

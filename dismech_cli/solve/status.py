@@ -9,10 +9,7 @@ class Status(Enum):
     """Outcome of a step; the value is one line of advice."""
 
     CONVERGED = "converged"
-    MAX_ITERATIONS = (
-        "Newton did not converge: reduce numerics.dt, or raise numerics.newton.max_iterations; "
-        "in static scenes raise integrator.load_steps"
-    )
+    MAX_ITERATIONS = "Newton did not converge: reduce numerics.dt, or raise numerics.newton.max_iterations"
     LINE_SEARCH_FAILED = (
         "no step lowers the energy: the state is near a fold or snap-through; reduce numerics.dt, "
         "or use a dynamic integrator to pass it"
