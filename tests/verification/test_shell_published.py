@@ -152,6 +152,32 @@ def test_heavy_strip(divisions: int, pattern: str) -> None:
     assert (errors < (1.0 + weights ** (2.0 / 3.0)) / divisions**2).all(), errors
 
 
+@pytest.mark.parametrize("factor", [2.0, 1e3])
+@pytest.mark.parametrize("bending", ["midedge", "hinge"])
+def test_shape_knows_the_ratio_of_load_and_stiffness_only(bending: str, factor: float) -> None:
+    """Twice the modulus under twice the weight: the same shape, to what Newton leaves."""
+
+    def shape(factor: float) -> list[float]:
+        probe = (
+            "{{probe: {{displacement: strip.right, component: {}}}, value: 0, tolerance: 1, source: none}}"
+        )
+        pairs = measured(
+            FOLDER / "verification" / "heavy_strip.yaml",
+            *mesh(30, "unstructured"),
+            "geometry[0].generate.width=0.1",
+            f"geometry[0].bending={bending}",
+            # two rows of nodes, for hinges
+            "motions[0].where={box: {min: [-1, -1, -1], max: [0.08, 1, 1]}}",
+            f"materials.sheet={{youngs_modulus: {12e6 * factor}, poisson_ratio: 0.3, density: 1000}}",
+            f"forces[0].acceleration=[0, 0, {-0.01 * factor}]",
+            "numerics.integrator.load_steps=2",
+            f"expect={{x: {probe.format('x')}, z: {probe.format('z')}}}",
+        )
+        return [value for value, _ in pairs.values()]
+
+    assert_allclose(shape(factor), shape(1.0), rtol=1e-7)
+
+
 @pytest.mark.slow
 def test_roll_up_converges_at_second_order() -> None:
     """The strip closes on every mesh; half way its distance across is that of a circle to second order."""
