@@ -116,21 +116,21 @@ def circular_ring_threshold(torsion: float = 1.0) -> float:
     return float(2.0 * np.pi * np.sqrt(squares.min()) / g)
 
 
-# name: decks, exact load, tolerance at 101 nodes (100 for rings)
+# name: decks, exact load, tolerance at 101 nodes (100 for rings); the load P of a column errs by P h^2/12 EI
 CASES: dict[str, tuple[Family, float, float]] = {
-    "fixed-free": (pushed(CLAMP_START), 2.467401, 2e-3),
-    "pinned": (pushed(PIN_START, SLIDING_PIN), 9.869604, 2e-3),
-    "fixed-pinned": (pushed(CLAMP_START, SLIDING_PIN), 20.190729, 2e-3),
-    "fixed-fixed": (squeezed, 39.478418, 2e-3),
-    "self weight": (heavy_column, 7.837347, 3e-3),
-    "lateral": (heavy_strip, 12.853763, 1e-2),
-    "twist between clamps": (twisted_between_clamps, 8.986819, 5e-3),
+    "fixed-free": (pushed(CLAMP_START), 2.467401, 5e-4),
+    "pinned": (pushed(PIN_START, SLIDING_PIN), 9.869604, 5e-4),
+    "fixed-pinned": (pushed(CLAMP_START, SLIDING_PIN), 20.190729, 5e-4),
+    "fixed-fixed": (squeezed, 39.478418, 5e-4),
+    "self weight": (heavy_column, 7.837347, 5e-4),
+    "lateral": (heavy_strip, 12.853763, 1e-3),
+    "twist between clamps": (twisted_between_clamps, 8.986819, 2e-3),
     "straight ring": (
         ring({"curvature_1": 0.0, "curvature_2": 0.0}),
         2.0 * np.pi * np.sqrt(3.0),
-        1e-2,
+        5e-3,
     ),
-    "circular ring": (ring({}), circular_ring_threshold(), 1e-2),
+    "circular ring": (ring({}), circular_ring_threshold(), 5e-3),
 }
 
 

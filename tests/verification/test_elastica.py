@@ -63,9 +63,10 @@ def test_reference_of_the_elastica_is_the_tabulated_one(alpha: float) -> None:
 
 
 @pytest.mark.parametrize("alpha", TIP_FORCE)
-@pytest.mark.parametrize(("nodes", "tolerance"), [(51, 1e-3), (201, 1e-4)])
-def test_tip_force(tmp_path: Path, alpha: float, nodes: int, tolerance: float) -> None:
-    assert np.abs(tip_force_error(tmp_path, nodes, alpha)).max() < tolerance
+@pytest.mark.parametrize("nodes", [51, 201])
+def test_tip_force(tmp_path: Path, alpha: float, nodes: int) -> None:
+    # of second order: 2.4e-4 and 1.5e-5 of the length
+    assert np.abs(tip_force_error(tmp_path, nodes, alpha)).max() < 0.6 / (nodes - 1) ** 2
 
 
 @pytest.mark.parametrize(
@@ -102,7 +103,8 @@ def self_weight_error(folder: Path, nodes: int, gamma: float) -> FloatArray:
 
 @pytest.mark.parametrize("gamma", SELF_WEIGHT)
 def test_self_weight(tmp_path: Path, gamma: float) -> None:
-    assert np.abs(self_weight_error(tmp_path, 101, gamma)).max() < 1e-3
+    # of second order, and larger where the bend is tighter: 5e-5 to 5e-4 of the length
+    assert np.abs(self_weight_error(tmp_path, 101, gamma)).max() < 0.5 / 100**2 * gamma ** (1.0 / 3.0)
 
 
 @pytest.mark.parametrize("gamma", [10.0, *(pytest.param(g, marks=pytest.mark.slow) for g in (1.0, 100.0))])
@@ -135,7 +137,7 @@ def roll_up_error(folder: Path, nodes: int, turns: float) -> float:
 def test_roll_up(tmp_path: Path, turns: float) -> None:
     # the discrete curvature 2 tan(phi/2) turns each joint by (2 pi turns/n)^2/12 less than the moment asks,
     # which puts the tip of a full circle 1.3e-3 L off at 101 nodes
-    assert roll_up_error(tmp_path, 201, turns) < 1e-3
+    assert roll_up_error(tmp_path, 201, turns) < 4e-4
 
 
 def test_roll_up_converges_at_second_order(tmp_path: Path) -> None:
@@ -161,5 +163,5 @@ def test_ends_of_the_princeton_beam(tmp_path: Path, force: float, edgewise: bool
     )
     exact = tip_loaded_elastica(alpha)
     x, y, z = tip(solve(tmp_path, deck)) / length
-    assert_allclose([-z, 1.0 - x], [exact.deflection, exact.shortening], atol=1e-3 * exact.deflection)
+    assert_allclose([-z, 1.0 - x], [exact.deflection, exact.shortening], atol=1e-4 * exact.deflection)
     assert abs(y) < 1e-9

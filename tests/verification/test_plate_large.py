@@ -81,4 +81,5 @@ def test_roll_up() -> None:
         x = bent(made, root(made), force, int(40 * share))[end].mean(axis=0)
         turn = 2.0 * np.pi * share
         exact = 12.0 / turn * np.array([np.sin(turn), 1.0 - np.cos(turn)])
-        assert_allclose([x[0], x[2]], exact, atol=0.01 * 12.0)
+        # of second order on the way; the last closes whatever the mesh
+        assert_allclose([x[0], x[2]], exact, atol=12.0 * (5e-4 if share < 1.0 else 1e-7))

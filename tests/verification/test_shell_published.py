@@ -68,9 +68,9 @@ def test_narrow_cantilever(pattern: str) -> None:
 
 @pytest.mark.parametrize("pattern", PATTERNS)
 def test_roof(pattern: str) -> None:
-    """Scordelis-Lo roof: 5 % at 32 divisions, of second order from 16 on."""
+    """Scordelis-Lo roof: 2 % at 32 divisions, of second order from 16 on."""
     coarse, fine = (abs(ratios("scordelis_lo_roof", *mesh(n, pattern)) - 1.0).item() for n in (16, 32))
-    assert fine < 0.05
+    assert fine < 0.02
     # The reference is a limit of refinement known to about 0.1 %: orders are seen above it only.
     assert fine < coarse / 4.0 + 2e-3
 
@@ -96,23 +96,23 @@ def test_pinched_cylinder_converges_further(divisions: int, pattern: str) -> Non
 
 @pytest.mark.parametrize("pattern", PATTERNS)
 def test_hemisphere_answers_linearly(pattern: str) -> None:
-    """Hemisphere with a hole, almost without stretching: 5 % of 0.093 and 0.094 alike."""
+    """Hemisphere with a hole, almost without stretching: 3 % of 0.093 and 0.094 alike."""
     for ratio in ratios("hemisphere_linear", *mesh(16, pattern)):
-        assert_allclose(ratio * 0.093, [0.093, 0.094], rtol=0.05)
+        assert_allclose(ratio * 0.093, [0.093, 0.094], rtol=0.03)
 
 
 # Large displacements
 
 
 def test_hemisphere_on_a_coarse_mesh() -> None:
-    assert_allclose(ratios("hemisphere", *mesh(16, "alternating")), 1.0, rtol=0.05)
+    assert_allclose(ratios("hemisphere", *mesh(16, "alternating")), 1.0, rtol=0.02)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("pattern", PATTERNS)
 def test_hemisphere(pattern: str) -> None:
-    """Hemisphere with a hole under forces of 400: 5 % on any mesh of 32 divisions."""
-    assert_allclose(ratios("hemisphere", *mesh(32, pattern)), 1.0, rtol=0.05)
+    """Hemisphere with a hole under forces of 400: 2 % on any mesh of 32 divisions."""
+    assert_allclose(ratios("hemisphere", *mesh(32, pattern)), 1.0, rtol=0.02)
 
 
 @pytest.mark.parametrize(
@@ -253,9 +253,9 @@ def test_hinges_are_no_material_for_a_hemisphere() -> None:
 @pytest.mark.parametrize("poisson_ratio", [0.0, 0.25, 0.3, 0.35, 0.5])
 @pytest.mark.parametrize("pattern", ["equilateral", "unstructured"])
 def test_lateral_buckling(pattern: str, poisson_ratio: float) -> None:
-    """A strip on edge tilts under its own weight: 5 % of 18.178 / sqrt(1 + nu) at a width of L/20."""
+    """A strip on edge tilts under its own weight: 3 % of 18.178 / sqrt(1 + nu) at a width of L/20."""
     unit = 1e6 * 1e-3**2 / (12.0 * 1000.0)  # E h^2 / (12 rho L^3)
-    below, above = (share * unit * 18.178 / np.sqrt(1.0 + poisson_ratio) for share in (0.95, 1.05))
+    below, above = (share * unit * 18.178 / np.sqrt(1.0 + poisson_ratio) for share in (0.97, 1.03))
     pairs = measured(
         FOLDER / "verification" / "lateral_buckling.yaml",
         *mesh(40, pattern),
@@ -285,9 +285,11 @@ def scattered(file: Path, radius: float, rings: int) -> None:
     file.write_text("\n".join(rows) + "\n", encoding="utf-8")
 
 
-@pytest.mark.parametrize(("motion", "factor"), [("clamp", 1.0 / 64.0), ("pin", 0.0637019)])
-def test_disc_of_random_triangles(tmp_path: Path, motion: str, factor: float) -> None:
-    """Clamped and simply supported circles: 2 % of w D / (p R^4)."""
+@pytest.mark.parametrize(
+    ("motion", "factor", "tolerance"), [("clamp", 1.0 / 64.0, 0.02), ("pin", 0.0637019, 0.005)]
+)
+def test_disc_of_random_triangles(tmp_path: Path, motion: str, factor: float, tolerance: float) -> None:
+    """Clamped and simply supported circles: 2 % and 0.5 % of w D / (p R^4)."""
     scattered(tmp_path / "disc.txt", 0.1, 16)
     text = (FOLDER / "verification" / "supported_disc.yaml").read_text(encoding="utf-8")
     generated = "    generate: {shape: disc, center: [0, 0, 0], radius: 0.1, rings: 24}\n"
@@ -299,7 +301,7 @@ def test_disc_of_random_triangles(tmp_path: Path, motion: str, factor: float) ->
     (tmp_path / "disc.yaml").write_text(text, encoding="utf-8")
     value, _ = measured(tmp_path / "disc.yaml")["bulge"]
     rigidity = 200e9 * 1e-3**3 / (12.0 * (1.0 - 0.3**2))
-    assert_allclose(value * rigidity / 0.1**4, factor, rtol=0.02)
+    assert_allclose(value * rigidity / 0.1**4, factor, rtol=tolerance)
 
 
 def test_supported_disc_converges_at_second_order() -> None:

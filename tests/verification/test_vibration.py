@@ -72,16 +72,18 @@ def frequency_ratio(folder: Path, nodes: int, published: float, *, free_end: boo
 
 
 @pytest.mark.parametrize(
-    ("published", "free_end", "tolerance"),
-    [(CANTILEVER[0], True, 5e-3), (CANTILEVER[1], True, 1e-2), (CLAMPED_CLAMPED[0], False, 5e-3)],
+    ("published", "free_end"),
+    [(CANTILEVER[0], True), (CANTILEVER[1], True), (CLAMPED_CLAMPED[0], False)],
 )
-def test_frequency(tmp_path: Path, published: float, free_end: bool, tolerance: float) -> None:
+def test_frequency(tmp_path: Path, published: float, free_end: bool) -> None:
+    # of second order: at most (beta h)^2 / 4
+    tolerance = (published / 100.0) ** 2 / 4.0
     assert_allclose(frequency_ratio(tmp_path, 101, published, free_end=free_end), 1.0, atol=tolerance)
 
 
 @pytest.mark.slow
 def test_third_mode_of_the_cantilever(tmp_path: Path) -> None:
-    assert_allclose(frequency_ratio(tmp_path, 101, CANTILEVER[2], free_end=True), 1.0, atol=1e-2)
+    assert_allclose(frequency_ratio(tmp_path, 101, CANTILEVER[2], free_end=True), 1.0, atol=1e-3)
 
 
 @pytest.mark.slow
