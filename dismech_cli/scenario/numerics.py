@@ -66,8 +66,8 @@ class Newton(Spec):
     )
     max_iterations: Annotated[int, Field(ge=1, le=10_000)] = Field(
         default=100,
-        description="Iterations, each with one factorisation, before a step counts as failed. The first 20 "
-        "take full steps; what is left goes to a line search down the energy from the start of the step.",
+        description="Factorisations before a step counts as failed. At most 20 iterations take full steps; "
+        "what is left goes to a line search down the energy from the start of the step.",
     )
     projection: Literal["none", "indefinite"] = Field(
         default="none",
