@@ -21,8 +21,8 @@ from cases import (
     term_cases,
     y_network,
 )
-from decks import line, rod_deck, solve
-from derivatives import Probe, assert_derivatives
+from decks import given_section, line, rod_deck, solve
+from derivatives import Probe, assert_derivatives, dense
 from numpy.testing import assert_allclose
 from shell_cases import Shell, shell
 from shell_decks import SHEET, Deck, ran, refused, shell_deck, write
@@ -38,7 +38,13 @@ from dismech_cli.mesh.mesh import Mesh
 from dismech_cli.model.frames import FrameState, RodFrames
 from dismech_cli.model.laws import Constant
 from dismech_cli.model.model import Model
+from dismech_cli.model.motion import held_dofs
+from dismech_cli.solve.integrators import Static
+from dismech_cli.solve.newton import NewtonSettings
 from dismech_cli.solve.pattern import SparsityPattern
+from dismech_cli.solve.status import Status
+from dismech_cli.solve.step import Stepper
+from dismech_cli.solve.system import System
 
 __all__ = ["ran", "refused", "write"]
 
@@ -273,6 +279,43 @@ def test_refusals(refused: Any, tmp_path: Path) -> None:
     assert "unsymmetric" in refused(rod_deck(line(5), dimension=3, forces=followers, output=probes))
     sides = {"type": "line", "where": {"nearest": [0, 0, 0]}, "force_per_length": [0, 0, 1], "follower": True}
     assert "selects no edge of a shell" in refused(shell_deck(SHEET, forces=[sides]))
+
+
+# ---------------------------------------------------------------- balance
+
+
+def test_tangent_in_balance(tmp_path: Path) -> None:
+    """A rod bent and twisted in space: elastic and load tangents make up the derivative of the balance.
+
+    Follower forces leave no torque on the angles, so no skew part of the elastic energies is missing.
+    """
+    forces: list[Deck] = [
+        {"type": "point", "where": "rod.end", "force": [1.0, 2.0, 3.0], "follower": True},
+        {"type": "distributed", "force_per_length": [0.0, -2.0, 1.0], "follower": True},
+    ]
+    section = given_section(axial=100.0, bending_2=2.0, torsion=0.7)
+    deck = rod_deck(line(9), section, dimension=3, forces=forces)
+    file = tmp_path / "scene.yaml"
+    file.write_text(json.dumps(deck), encoding="utf-8")
+    model = build(load(file)).simulation.model
+    stepper = Stepper(model, Static(), NewtonSettings(), "auto")
+    state = stepper.prepare(stepper.rest_state())
+    for _ in range(4):
+        result = stepper.step(state, 0.25)
+        assert result.status is Status.CONVERGED
+        state = result.state
+    system = System(model, ~held_dofs(model.motions, model.dofs.n, 0.0))
+    stage, free = Static().stage(0, state, state, 0.0), system.pattern.free
+    tangent = dense(system.pattern, system.linearize(stage, state.q, state.frames).values)
+
+    def balance(q: FloatArray) -> FloatArray:
+        return system.linearize(stage, q, state.frames).residual[free].copy()
+
+    h = 1e-6
+    steps = h * np.eye(model.dofs.n)[free]
+    slope = np.stack([(balance(state.q + d) - balance(state.q - d)) / (2.0 * h) for d in steps], axis=1)
+    # differences: h^2 of the slope, and round-off over h
+    assert_allclose(tangent, slope, rtol=0, atol=1e-8 * np.abs(slope).max())
 
 
 # ---------------------------------------------------------------- invariance of answers
