@@ -120,4 +120,4 @@ def test_equilibrium_does_not_depend_on_load_steps(ran: Any) -> None:
 def test_line_moments_need_normals(refused: Any) -> None:
     load: Deck = {"type": "line_moment", "where": "sheet.right", "moment_per_length": [0.0, 1.0, 0.0]}
     message = refused(shell_deck(SHEET, body={"bending": "hinge"}, forces=[load]))
-    assert "no edge of a shell with mid-edge bending" in message
+    assert "of a shell with bending: midedge, whose normals it turns" in message

@@ -129,7 +129,6 @@ OTHER_CHOICES = {
     ("linear_solver", "dense"): ("test_linear.py", "dense"),
     ("linear_solver", "pardiso"): ("test_linear.py", "pardiso"),
     ("linear_solver", "superlu"): ("test_linear.py", "superlu"),
-    ("pattern", "right"): ("verification/test_plate_linear.py", "Pattern.RIGHT"),
     ("pattern", "unstructured"): ("verification/test_shell_published.py", "unstructured"),
     ("plane", "xy"): ("test_scenarios.py", "plane=xy"),
     ("profiles", "accurate"): ("test_scenario_load.py", "accurate"),
