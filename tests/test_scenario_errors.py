@@ -190,6 +190,10 @@ def test_single_faults(folder: Folder, old: str, new: str, message: str) -> None
         ("output: {fields: [twist, twist]}", "18:10: output.fields: each name at most once"),
         ("output: {render: {color_by: twist}}", "output.render.color_by: needs 'twist' in output.fields"),
         ("output: {render: {plots: [tip]}}", "output.render.plots[0]: no probe is named 'tip'"),
+        (
+            "dimension: 2\noutput: {fields: [director]}",
+            "19:19: output.fields[0]: a planar scene has no material directors",
+        ),
         ("output: {every: 3}", "output.every: longer than the run of 2 s"),
         (
             "actuation: [{type: stretch, rod: beam, value: {expression: sqrt(1.89 - t) + s}}]",

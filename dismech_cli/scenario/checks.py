@@ -162,6 +162,9 @@ def _dimension(scenario: Scenario) -> Iterator[Finding]:
             yield ("plane",), "only a scene of dimension 2 has a plane"
         return
     planar = "a planar scene has no twist"
+    for i, field in enumerate(scenario.output.fields):
+        if field == "director":
+            yield ("output", "fields", i), "a planar scene has no material directors"
     for i in scenario.shells:
         yield ("geometry", i, "type"), "a shell needs a scene of dimension 3"
     for i, rod in scenario.rods.items():
