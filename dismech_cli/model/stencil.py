@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..arrays import FloatArray, IntArray
+from ..arrays import BoolArray, FloatArray, IntArray
 from .configuration import Configuration
 from .driver import Driver, StencilLoop
 from .kernels import Kernel
@@ -47,6 +47,16 @@ class StencilEnergy:
     def natural(self) -> FloatArray:
         """Natural strains, shape (naturals, S); a view."""
         return self.parameters[: self.kernel.naturals]
+
+    def touching(self, dofs: BoolArray) -> StencilEnergy:
+        """The stencils that hold any of some DOFs, given as a mask (n,)."""
+        some = dofs[self.dofs].any(axis=1)
+        return replace(
+            self,
+            dofs=self.dofs[some],
+            parameters=np.ascontiguousarray(self.parameters[:, some]),
+            auxiliaries=self.auxiliaries[some],
+        )
 
     def bind(self, pattern: Pattern, driver: Driver) -> BoundStencil:
         """Make the gather-evaluate-scatter loop."""

@@ -6,7 +6,7 @@ time integrator made or lost: kinetic + elastic + gravitational - initial - work
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -20,7 +20,9 @@ from ..model.frames import Frames, TrialFrames
 from ..model.model import Model
 from ..model.motion import moving_dofs
 from ..model.state import State
-from ..model.term import BoundEnergy, BoundTerm
+from ..model.stencil import StencilEnergy
+from ..model.term import BoundEnergy, BoundTerm, Term
+from ..solve.system import System
 
 # Energy from nowhere, in units of all energy that was given: no damping scheme comes near, and an
 # unstable one passes it within a few steps.
@@ -54,11 +56,12 @@ class EnergyAccount:
         self._gravitational: Sequence[BoundEnergy] = ()
         self.sums = dict.fromkeys(self.columns, 0.0)
 
-    def bind(self, terms: Sequence[BoundTerm], t: float) -> None:
-        """Use these bound terms from time ``t`` [s] on, with the DOFs that are held then."""
-        model = self._model
+    def bind(self, system: System, t: float) -> None:
+        """Use the bound terms of a system from time ``t`` [s] on, with the DOFs that are held then."""
+        model, terms = self._model, system.terms
         self._last = None
         self._moving = moving_dofs(model.motions, model.rest, self._initial_velocity, t)
+        self._resisting = [term.bind(system.pattern, model.driver) for term in self._near_moving()]
         self._bound = {term.name: term for term in terms}
         # once per binding: a check against a protocol costs as much as a term
         energies = [term for term in terms if isinstance(term, BoundEnergy)]
@@ -67,6 +70,15 @@ class EnergyAccount:
         self._driven = [t for t in energies if isinstance(t, BoundDriven)]
         steady = {t.name for t in terms if isinstance(t, DeadLoad) and t.law.constant}
         self._changing = [t for t in self._gravitational if t.name not in steady]
+
+    def _near_moving(self) -> Iterator[Term]:
+        """The terms as far as they act on moving DOFs."""
+        mask = np.zeros(self._model.dofs.n, dtype=np.bool_)
+        mask[self._moving] = True
+        for term in self._model.terms if mask.any() else ():
+            near = term.touching(mask) if isinstance(term, StencilEnergy) else term
+            if not isinstance(near, StencilEnergy) or len(near.dofs):
+                yield near
 
     def start(self, state: State) -> None:
         """Take the stored energy of ``state`` as the zero of the account."""
@@ -138,11 +150,11 @@ class EnergyAccount:
         return work
 
     def _resistance(self, known: _Known) -> FloatArray:
-        """Residual of all terms on the moving DOFs."""
+        """Residual on the moving DOFs."""
         if known.resistance is None:
             r = np.zeros_like(known.state.q)
             c = known.at(known.state.t)
-            for term in self._bound.values():
+            for term in self._resisting:
                 term.add_residual(c, r)
             known.resistance = r[self._moving]
         return known.resistance

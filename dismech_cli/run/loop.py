@@ -240,7 +240,7 @@ def _prepared(loop: _Loop, state: State) -> State:
     analyses = loop.stepper.analyses
     state = loop.stepper.prepare(state)
     if loop.stepper.analyses != analyses:
-        loop.account.bind(loop.stepper.system.terms, state.t)
+        loop.account.bind(loop.stepper.system, state.t)
     return state
 
 
