@@ -322,3 +322,10 @@ def test_exports_hold_the_frames(tmp_path, case, to):
 def test_an_unknown_export_lists_the_known_ones(tmp_path):
     with pytest.raises(ScenarioError, match="csv, npz, obj, vtu"):
         export(tmp_path, "stl")
+
+
+def test_a_run_without_frames_has_nothing_to_export(tmp_path):
+    run_dir = write_run(tmp_path / "run", (cantilever()[0], []))
+    with pytest.raises(OutputError, match="has no frames to export"):
+        export(run_dir, "vtu")
+    assert not (run_dir / "export-vtu").exists()

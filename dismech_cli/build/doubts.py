@@ -103,7 +103,7 @@ def _touching(loaded: LoadedScenario, geometry: Geometry) -> Iterator[str]:
             key = next(k for k, body in enumerate(loaded.scenario.geometry) if body.name == two)
             yield loaded.warning(
                 ("geometry", key),
-                f"'{one}' and '{two}' have {here} nodes at the same place, which nothing joins; "
+                f"'{one}' and '{two}' touch, with nodes at the same place ({here}), but nothing joins them; "
                 "if they belong together, add a joint",
             )
 
@@ -127,8 +127,8 @@ def _adrift(loaded: LoadedScenario, geometry: Geometry, holds: tuple[Hold, ...])
         if free:
             yield loaded.warning(
                 ("geometry", key),
-                f"'{body.name}' can move or turn as a whole in {free} ways that nothing holds: "
-                "where it rests is left to rounding, if it rests at all",
+                f"nothing holds '{body.name}' in {free} of the {len(motions)} ways to move or turn as a "
+                "whole: where it rests is left to rounding, if it rests at all",
             )
 
 

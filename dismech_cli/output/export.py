@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import ScenarioError
+from ..errors import OutputError, ScenarioError
 from .durable import output_errors, staged
 from .frame import Frame
 from .read import Run, read
@@ -29,14 +29,16 @@ def export(run_dir: Path, to: str, output: Path | None = None) -> list[Path]:
 
     Raises:
         ScenarioError: If the format is unknown.
-        OutputError: If the run cannot be read or the files cannot be written.
+        OutputError: If the run cannot be read, has no frames, or the files cannot be written.
     """
     if to not in EXPORTERS:
         raise ScenarioError(f"cannot export to {to!r}; choose from {', '.join(sorted(EXPORTERS))}")
     folder = run_dir / f"export-{to}" if output is None else output
-    with output_errors(folder, "create"):
-        folder.mkdir(parents=True, exist_ok=True)
     with read(run_dir) as run:
+        if not len(run):
+            raise OutputError(f"{run_dir} has no frames to export")
+        with output_errors(folder, "create"):
+            folder.mkdir(parents=True, exist_ok=True)
         return EXPORTERS[to](run, folder)
 
 
