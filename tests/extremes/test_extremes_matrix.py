@@ -90,8 +90,9 @@ def test_one_extreme_input_in_time(tmp_path: Path, axis: str, value: float, inte
     assert_done(attempt(tmp_path, deck))
 
 
-# Steps longer than a tenth of a pendulum's period, in which the default integrator makes energy.
-RUNAWAY = {("gravity", 1e3), ("dt", 0.1), ("dt", 1.0)}
+# Steps longer than a tenth of a pendulum's period, in which the default integrator makes energy: so much that
+# the run ends there, or some that is told at its end.
+GROWING = {("gravity", 1e3), ("dt", 0.1), ("dt", 1.0)}
 
 
 @pytest.mark.slow
@@ -104,11 +105,12 @@ def test_one_extreme_input_with_little_damping(tmp_path: Path, axis: str, value:
     deck = cantilever(**(BASE | {axis: value}))
     deck["numerics"]["integrator"] = {"type": "generalized_alpha"}
     result = attempt(tmp_path, deck)
-    if (axis, value) in RUNAWAY:
+    if (axis, value) in GROWING:
         assert_finite(result)
-        assert result.outcome.end is End.FAILED
-        assert "the motion blew up by t =" in result.outcome.message
-        assert "choose tr_bdf2 or implicit_euler" in result.outcome.message
+        if result.outcome.end is End.FAILED:
+            assert "the motion blew up by t =" in result.outcome.message
+        told = " ".join((result.outcome.message, *result.outcome.doubts))
+        assert "choose tr_bdf2 or implicit_euler" in told
     else:
         assert_done(result)
 
@@ -123,14 +125,13 @@ def test_one_extreme_input_at_rest(tmp_path: Path, axis: str, value: float, dime
 # Static corners that give up, by modulus and radius: aspects. All hang under g = 1e3 m/s^2, which stretches
 # them 2e5 times over and more, and of density 2e4 but for one. A corner that leaves the list has improved.
 GIVEN_UP = {
-    (1e2, 1e-4): {1e4, 1e5},
-    (1e2, 1e-3): {1e3, 1e4, 1e5},
+    (1e2, 1e-4): {1e5},
+    (1e2, 1e-3): {1e4, 1e5},
     (1e2, 1e-2): {1e3, 1e4, 1e5},
     (1e2, 1.0): {1e2, 1e3, 1e4, 1e5},
-    (1e4, 1e-3): {1e5},
-    (1e4, 1e-2): {1e4, 1e5},
+    (1e4, 1e-2): {1e5},
     (1e4, 1.0): {1e3, 1e4, 1e5},
-    (1e6, 1.0): {1e4, 1e5},
+    (1e6, 1.0): {1e5},
 }
 GIVEN_UP_LIGHT = (1e2, 1.0, 1e5)
 
