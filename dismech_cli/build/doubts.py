@@ -22,7 +22,7 @@ from .shell_bending import bending_of
 _UNEVEN = 6.0
 # Nodes nearer than this fraction of the size of the scene were meant to be one.
 _SAME_PLACE = 1e-9
-# Rigid motions that bring no held node further than this fraction of the body's size are free.
+# Rigid motions are free that move held nodes by less, in squares of the size of the motion.
 _FREE = 1e-9
 
 
@@ -74,7 +74,7 @@ def _single_rows(loaded: LoadedScenario, geometry: Geometry, holds: tuple[Hold, 
     """Clamps that a shell without normals of its own can turn about."""
     held = np.zeros(len(geometry.nodes), dtype=bool)
     for hold in holds:
-        held[hold.nodes[hold.nodes < len(held)]] = True
+        held[hold.nodes] = True
     for index, (motion, hold) in enumerate(zip(loaded.scenario.motions, holds, strict=True)):
         if not isinstance(motion, Clamp):
             continue

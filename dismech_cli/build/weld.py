@@ -86,7 +86,9 @@ def weld_joints(loaded: LoadedScenario, geometry: Geometry) -> Geometry:
         body_nodes=moved(geometry.body_nodes),
         hinges=index_of[np.array(hinges, dtype=np.int64)],
         rod_hinges=index_of[np.array(rod_hinges, dtype=np.int64)],
-        parted=np.array([(index_of[w.node], geometry.edge_rod[w.edge]) for w in welds]).reshape(-1, 2),
+        parted=np.array(
+            [(index_of[w.node], geometry.edge_rod[w.edge]) for w in welds], dtype=np.int64
+        ).reshape(-1, 2),
         released=moved({what: np.array(nodes, dtype=np.int64) for what, nodes in released.items()}),
         loosened=moved({what: np.array(nodes, dtype=np.int64) for what, nodes in loosened.items()}),
         shell_welds=tuple(replace(weld, node=int(index_of[weld.node])) for weld in welds),
