@@ -7,10 +7,10 @@ from collections.abc import Callable
 import numpy as np
 
 from dismech_cli.arrays import FloatArray
-from dismech_cli.model.dofs import DofMap
-from dismech_cli.model.linearization import Coupling
+from dismech_cli.kernels.linearization import Coupling
+from dismech_cli.kinematics.dofs import DofMap
+from dismech_cli.solve.linear.choice import LINEAR_SOLVERS, choose_solver
 from dismech_cli.solve.pattern import SparsityPattern
-from dismech_cli.solve.solvers import LINEAR_SOLVERS, choose_solver
 
 from .clock import in_turns
 from .table import table

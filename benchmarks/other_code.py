@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dismech_cli.arrays import FloatArray
-from dismech_cli.build.build import build
+from dismech_cli.compose.compose import build
 
 from .elastica_scenes import Wire, fall, largest_stable_step
 from .newton_iteration import advance

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from dataclasses import dataclass, replace
 
-from dismech_cli.model.projection import ProjectedDriver
+from dismech_cli.kernels.projection import ProjectedDriver
 from dismech_cli.run.simulation import Simulation
 from dismech_cli.solve.status import Status
 from dismech_cli.solve.tangents import TANGENTS

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from dismech_cli import load
-from dismech_cli.build.build import build
+from dismech_cli.compose.compose import build
 from dismech_cli.run.simulation import Simulation
 from dismech_cli.scenario.load import LoadedScenario
 from dismech_cli.solve.step import Stepper

@@ -21,8 +21,8 @@ from dismech_cli.output.frame import Frame
 from dismech_cli.output.writers import make_writer
 from dismech_cli.run.loop import run
 from dismech_cli.run.simulation import Simulation
-from dismech_cli.solve.pardiso import POSITIVE_DEFINITE, Factors
-from dismech_cli.solve.solvers import LINEAR_SOLVERS
+from dismech_cli.solve.linear.choice import LINEAR_SOLVERS
+from dismech_cli.solve.linear.pardiso import POSITIVE_DEFINITE, Factors
 from dismech_cli.solve.step import Stepper
 from dismech_cli.solve.system import System
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 from math import inf
 from typing import Any
 
+from dismech_cli.kernels.driver import Driver
 from dismech_cli.model.configuration import Configuration
-from dismech_cli.model.driver import Driver
 from dismech_cli.model.state import State
 from dismech_cli.model.term import Linearization, Pattern
 from dismech_cli.run.simulation import Simulation

@@ -12,13 +12,13 @@ __version__ = "0.1.0"
 __all__ = ["__version__", "load", "read", "simulate"]
 
 if TYPE_CHECKING:
-    from .build.simulate import simulate
     from .output.read import read
     from .scenario.load import load
+    from .session.simulate import simulate
 
 _DOORS = {
     "load": ("dismech_cli.scenario.load", "load"),
-    "simulate": ("dismech_cli.build.simulate", "simulate"),
+    "simulate": ("dismech_cli.session.simulate", "simulate"),
     "read": ("dismech_cli.output.read", "read"),
 }
 

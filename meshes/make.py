@@ -7,9 +7,9 @@ from pathlib import Path
 import meshio
 import numpy as np
 
-from dismech_cli.mesh.generate_shell import Pattern, disc, hemisphere, sheet
+from dismech_cli.mesh.generate.sheets import Pattern, disc, hemisphere, sheet
 from dismech_cli.mesh.mesh import Mesh
-from dismech_cli.mesh.topology_shell import shell_edges
+from dismech_cli.mesh.topology.shells import shell_edges
 from dismech_cli.mesh.validate import validate
 
 HERE = Path(__file__).parent

@@ -10,26 +10,26 @@ from typing import Any, Literal, get_args, get_origin
 import pytest
 from pydantic import BaseModel
 
-from dismech_cli.build.fields import FIELDS
-from dismech_cli.build.forces import BUILDERS
-from dismech_cli.build.numerics import DRIVERS, build_integrator
-from dismech_cli.build.shell_bending import HINGES, SHELL_BENDING
-from dismech_cli.build.shell_membrane import MEMBRANES
+from dismech_cli.compose.loads.table import BUILDERS
+from dismech_cli.compose.numerics import DRIVERS, build_integrator
+from dismech_cli.compose.observables.fields import FIELDS
+from dismech_cli.compose.shells.bending import HINGES, SHELL_BENDING
+from dismech_cli.compose.shells.membrane import MEMBRANES
 from dismech_cli.output.writers import WRITERS
-from dismech_cli.run.reduce import REDUCTIONS
-from dismech_cli.scenario import numerics
-from dismech_cli.scenario.checks import SURFACE_GROUPS
-from dismech_cli.scenario.expect import Reduction
-from dismech_cli.scenario.force import Force, Load
-from dismech_cli.scenario.geometry import Shell
+from dismech_cli.run.observables.reduce import REDUCTIONS
+from dismech_cli.scenario.checking.checks import SURFACE_GROUPS
+from dismech_cli.scenario.language import numerics
+from dismech_cli.scenario.language.expect import Reduction
+from dismech_cli.scenario.language.force import Force, Load
+from dismech_cli.scenario.language.geometry import Shell
+from dismech_cli.scenario.language.output import FieldName, WriterName
+from dismech_cli.scenario.language.scenario import Scenario
+from dismech_cli.scenario.language.surface import Surface
 from dismech_cli.scenario.load import load
-from dismech_cli.scenario.output import FieldName, WriterName
-from dismech_cli.scenario.profiles import NAMES
-from dismech_cli.scenario.schema import Scenario
-from dismech_cli.scenario.surface import Surface
-from dismech_cli.scenario.walk import walk
+from dismech_cli.scenario.text.profiles import NAMES
+from dismech_cli.scenario.views.walk import walk
 from dismech_cli.solve.integrators import INTEGRATORS
-from dismech_cli.solve.solvers import LINEAR_SOLVERS
+from dismech_cli.solve.linear.choice import LINEAR_SOLVERS
 from dismech_cli.solve.tangents import TANGENTS
 
 SCENARIOS = Path(__file__).parents[1] / "scenarios"
@@ -105,40 +105,40 @@ def choices_of(spec: BaseModel) -> Iterator[Choice]:
 # What no shipped scenario uses, for each belongs to a machine, to taste or to a special case: the test
 # file that does, and words in it. `auto` and other defaults count as used.
 OTHER_CLASSES = {
-    "RoundSection": ("test_hybrids.py", '"radius"'),
-    "Sawtooth": ("test_scenario_reference.py", "sawtooth"),
-    "SawtoothLaw": ("test_scenario_reference.py", "sawtooth"),
-    "Sine": ("test_scenario_reference.py", "sine"),
-    "SineLaw": ("test_scenario_reference.py", "sine"),
-    "TableFile": ("test_scenario_reference.py", "{table: {file: w.csv"),
+    "RoundSection": ("compose/test_hybrids.py", '"radius"'),
+    "Sawtooth": ("scenario/test_reference.py", "sawtooth"),
+    "SawtoothLaw": ("scenario/test_reference.py", "sawtooth"),
+    "Sine": ("scenario/test_reference.py", "sine"),
+    "SineLaw": ("scenario/test_reference.py", "sine"),
+    "TableFile": ("scenario/test_reference.py", "{table: {file: w.csv"),
     "VelocityFile": ("verification/test_vibration.py", '"velocity": {"file"'),
 }
 OTHER_CHOICES = {
-    ("color_by", "axial_force"): ("test_render_parts.py", "color_by"),
-    ("color_by", "director"): ("test_render_parts.py", "color_by"),
-    ("color_by", "positions"): ("test_render_parts.py", "color_by"),
-    ("color_by", "velocity"): ("test_render_parts.py", "color_by"),
-    ("fields", "positions"): ("test_scenario_errors.py", "positions"),
+    ("color_by", "axial_force"): ("render/test_parts.py", "color_by"),
+    ("color_by", "director"): ("render/test_parts.py", "color_by"),
+    ("color_by", "positions"): ("render/test_parts.py", "color_by"),
+    ("color_by", "velocity"): ("render/test_parts.py", "color_by"),
+    ("fields", "positions"): ("scenario/test_errors.py", "positions"),
     ("handedness", "left"): ("verification/test_helix_vibration.py", "left"),
     ("hinges", "equal"): ("verification/test_plate_linear.py", '"hinges", "pattern"'),
-    ("interpolation", "cubic"): ("test_laws.py", '"cubic"'),
-    ("interpolation", "step"): ("test_laws.py", '"step"'),
-    ("kernels", "numba"): ("test_drivers.py", "NumbaDriver"),
-    ("kernels", "numpy"): ("test_drivers.py", "NUMPY"),
-    ("linear_solver", "banded"): ("test_linear.py", "banded"),
-    ("linear_solver", "dense"): ("test_linear.py", "dense"),
-    ("linear_solver", "pardiso"): ("test_linear.py", "pardiso"),
-    ("linear_solver", "superlu"): ("test_linear.py", "superlu"),
+    ("interpolation", "cubic"): ("laws/test_laws.py", '"cubic"'),
+    ("interpolation", "step"): ("laws/test_laws.py", '"step"'),
+    ("kernels", "numba"): ("kernels/test_drivers.py", "NumbaDriver"),
+    ("kernels", "numpy"): ("kernels/test_drivers.py", "NUMPY"),
+    ("linear_solver", "banded"): ("solve/test_linear.py", "banded"),
+    ("linear_solver", "dense"): ("solve/test_linear.py", "dense"),
+    ("linear_solver", "pardiso"): ("solve/test_linear.py", "pardiso"),
+    ("linear_solver", "superlu"): ("solve/test_linear.py", "superlu"),
     ("pattern", "unstructured"): ("verification/test_shell_published.py", "unstructured"),
-    ("plane", "xy"): ("test_scenarios.py", "plane=xy"),
-    ("profiles", "accurate"): ("test_scenario_load.py", "accurate"),
-    ("profiles", "draft"): ("test_scenario_load.py", "draft"),
-    ("profiles", "normal"): ("test_scenario_load.py", "normal"),
-    ("reduce", "first"): ("test_cli_reduce.py", "first"),
-    ("release", "bending"): ("test_hybrids.py", '"bending"'),
-    ("shape", "flat"): ("test_build_shell.py", '"flat"'),
-    ("video", "gif"): ("test_render_pictures.py", "gif"),
-    ("view", "yz"): ("test_render_parts.py", '"yz"'),
+    ("plane", "xy"): ("scenarios/test_rods.py", "plane=xy"),
+    ("profiles", "accurate"): ("scenario/test_load.py", "accurate"),
+    ("profiles", "draft"): ("scenario/test_load.py", "draft"),
+    ("profiles", "normal"): ("scenario/test_load.py", "normal"),
+    ("reduce", "first"): ("run/test_reduce.py", "first"),
+    ("release", "bending"): ("compose/test_hybrids.py", '"bending"'),
+    ("shape", "flat"): ("compose/test_shells.py", '"flat"'),
+    ("video", "gif"): ("render/test_pictures.py", "gif"),
+    ("view", "yz"): ("render/test_parts.py", '"yz"'),
 }
 
 

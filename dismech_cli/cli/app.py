@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from .. import __version__
-from . import check, doctor, examples, explain, export, init, render, resume, run, schema
+from .commands import check, doctor, examples, explain, export, init, render, resume, run, schema
 from .exits import leave
 
 _HELP = """Simulate slender soft robots made of rods, in batch.

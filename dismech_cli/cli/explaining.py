@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from ..errors import ScenarioError
-from ..scenario.provenance import Provenance
-from ..scenario.suggest import hint
+from ..scenario.views.provenance import Provenance
+from ..words import hint
 
 
 def below(provenance: Mapping[str, Provenance], path: str) -> dict[str, Provenance]:

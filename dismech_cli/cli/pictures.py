@@ -6,7 +6,7 @@ import time
 from pathlib import Path
 
 from ..errors import DismechError
-from ..scenario.output import Render
+from ..scenario.language.output import Render
 from .console import Console
 
 
@@ -27,7 +27,7 @@ def make_pictures(run_dir: Path, render: Render, frames: int, console: Console) 
     Returns:
         The files made.
     """
-    from .drawing import Wishes, draw
+    from ..session.drawing import Wishes, draw
 
     parts = [f"a video of {frames} frames"] if render.video != "none" else []
     parts += ["a still"] if render.still else []

@@ -8,13 +8,13 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from ..build.plan import Plan
-from ..model.numba_driver import cache_folder, is_compiled
+from ..compose.structure.plan import Plan
+from ..kernels.numba_driver import cache_folder, is_compiled
 from ..output.jsonable import dumps
 from ..run.progress import Reporter, Silent, make_reporter
+from ..session.conduct import Report
+from ..session.verdicts import verdict_table
 from .console import QUIET, Console, emit
-from .session import Report
-from .verdicts import verdict_table
 
 
 @dataclass(frozen=True, slots=True)

@@ -25,7 +25,7 @@ from ..geometry.vectors import (
     sub,
     sym_outer,
 )
-from ..model.kernels import Kernel
+from ..kernels.shape import Kernel
 
 
 @kernel

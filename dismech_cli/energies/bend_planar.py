@@ -10,7 +10,7 @@ from __future__ import annotations
 from typing import Any
 
 from ..geometry.kernel import kernel
-from ..model.kernels import Kernel
+from ..kernels.shape import Kernel
 
 
 @kernel

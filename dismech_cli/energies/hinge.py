@@ -16,8 +16,8 @@ from ..geometry.blocks import add_symmetric, pack_three, two_sided
 from ..geometry.kernel import kernel
 from ..geometry.triangle import azimuth_gradient, azimuth_hessian, dihedral_angle, fold, nearest_turn
 from ..geometry.vectors import combine, outer, scale, sym_outer
-from ..model.dofs import DofMap
-from ..model.kernels import Kernel
+from ..kernels.shape import Kernel
+from ..kinematics.dofs import DofMap
 from ..model.stencil import StencilEnergy, no_auxiliaries
 
 

@@ -18,10 +18,10 @@ from ..arrays import FloatArray, IntArray
 from ..geometry.blocks import add_diagonal, add_symmetric, outer_pair, pack_two
 from ..geometry.kernel import kernel
 from ..geometry.vectors import add_identity, combine, dot, scale, sym_outer
-from ..model.dofs import DofMap
-from ..model.kernels import Kernel
-from ..model.shell import plane_stress_stiffness, rest_metric
+from ..kernels.shape import Kernel
+from ..kinematics.dofs import DofMap
 from ..model.stencil import StencilEnergy, no_auxiliaries
+from ..sections.shells import plane_stress_stiffness, rest_metric
 
 
 @kernel

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
-from ..model.dofs import DofMap
+from ..kinematics.dofs import DofMap
 from ..model.stencil import StencilEnergy, no_auxiliaries
 from .stretch import STRETCH
 

@@ -37,11 +37,11 @@ from ..geometry.vectors import (
     sub,
     sym_outer,
 )
-from ..model.dofs import DofMap
-from ..model.kernels import Kernel
-from ..model.shell import bending_stiffness
-from ..model.shell_frames import ShellFrames
+from ..kernels.shape import Kernel
+from ..kinematics.dofs import DofMap
+from ..kinematics.shell_frames import ShellFrames
 from ..model.stencil import StencilEnergy
+from ..sections.shells import bending_stiffness
 
 
 @kernel

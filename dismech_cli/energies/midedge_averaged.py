@@ -20,10 +20,10 @@ from ..geometry.blocks import add_block, add_symmetric, outer_sum, pack_five, sy
 from ..geometry.kernel import kernel
 from ..geometry.triangle import azimuth_gradient, azimuth_hessian, dihedral_angle, fold, nearest_turn, side
 from ..geometry.vectors import add, combine, cross, norm, outer, scale, sub, sym_outer
-from ..model.dofs import DofMap
-from ..model.kernels import Kernel
-from ..model.shell import bending_stiffness
+from ..kernels.shape import Kernel
+from ..kinematics.dofs import DofMap
 from ..model.stencil import StencilEnergy, no_auxiliaries
+from ..sections.shells import bending_stiffness
 from .midedge import face_turning
 
 

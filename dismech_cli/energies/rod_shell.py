@@ -26,17 +26,12 @@ from typing import Any
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
-from ..geometry.blocks import (
-    add_block,
-    add_symmetric,
-    outer_sum,
-    pack_three_and_angle,
-)
+from ..geometry.blocks import add_block, add_symmetric, outer_sum, pack_three_and_angle
 from ..geometry.face_rotation import face_axes, face_frame, face_turning
 from ..geometry.kernel import kernel
 from ..geometry.vectors import Vector, add, combine, cross, dot, norm, outer, scale, self_outer, sym_outer
-from ..model.dofs import DofMap
-from ..model.kernels import Kernel
+from ..kernels.shape import Kernel
+from ..kinematics.dofs import DofMap
 from ..model.stencil import StencilEnergy
 
 

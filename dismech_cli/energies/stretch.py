@@ -11,7 +11,7 @@ import numpy as np
 
 from ..geometry.kernel import kernel
 from ..geometry.vectors import add_identity, norm, scale, scale_symmetric, self_outer
-from ..model.kernels import Kernel
+from ..kernels.shape import Kernel
 
 
 @kernel

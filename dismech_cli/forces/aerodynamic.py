@@ -15,9 +15,9 @@ from ..arrays import FloatArray, IntArray
 from ..geometry.blocks import entries
 from ..geometry.kernel import kernel
 from ..geometry.vectors import combine, cross, dot, norm, outer, scale
-from ..model.dofs import DofMap
+from ..kernels.shape import DragKernel
+from ..kinematics.dofs import DofMap
 from ..model.drag import DragForce
-from ..model.kernels import DragKernel
 
 
 @kernel

@@ -19,14 +19,14 @@ import numpy as np
 
 from ..arrays import FloatArray, IntArray
 from ..geometry.face_rotation import face_axes, face_frame
+from ..kernels.driver import Driver
+from ..kernels.linearization import Coupling, Pattern
+from ..kinematics.dofs import DofMap
+from ..kinematics.rod_frames import RodFrames
+from ..laws.laws import Law
+from ..model.clique import BoundCliques
 from ..model.configuration import Configuration
-from ..model.dofs import DofMap
-from ..model.driver import Driver
-from ..model.frames import RodFrames
-from ..model.laws import Law
-from ..model.linearization import Coupling, Pattern
 from ..model.term import BoundTerm
-from .clique import BoundCliques
 
 
 class Carrier(Protocol):

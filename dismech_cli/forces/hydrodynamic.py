@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..arrays import FloatArray
-from ..model.dofs import DofMap
+from ..kinematics.dofs import DofMap
 from .viscous import ViscousDamping
 
 

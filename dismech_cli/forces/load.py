@@ -12,10 +12,10 @@ from typing import ClassVar
 import numpy as np
 
 from ..arrays import FloatArray
+from ..kernels.driver import Driver
+from ..kernels.linearization import Coupling, Linearization, Pattern
+from ..laws.laws import Law
 from ..model.configuration import Configuration
-from ..model.driver import Driver
-from ..model.laws import Law
-from ..model.linearization import Coupling, Linearization, Pattern
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,12 +18,12 @@ from typing import ClassVar
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
+from ..kernels.driver import Driver
+from ..kernels.linearization import Coupling, Pattern
+from ..laws.laws import Law
+from ..model.clique import BoundCliques
 from ..model.configuration import Configuration
-from ..model.driver import Driver
-from ..model.laws import Law
-from ..model.linearization import Coupling, Pattern
 from ..model.term import BoundTerm
-from .clique import BoundCliques
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,13 +12,13 @@ from typing import ClassVar
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
+from ..kernels.driver import Driver
+from ..kernels.linearization import Coupling, Linearization, Pattern
+from ..kinematics.dofs import DofMap
+from ..laws.laws import Law
+from ..model.clique import BoundCliques
 from ..model.configuration import Configuration
-from ..model.dofs import DofMap
-from ..model.driver import Driver
-from ..model.laws import Law
-from ..model.linearization import Coupling, Linearization, Pattern
 from ..model.term import BoundTerm, Term
-from .clique import BoundCliques
 
 
 def pressure(name: str, dofs: DofMap, triangles: IntArray, law: Law) -> Term:

@@ -13,9 +13,9 @@ import numpy as np
 from ..arrays import FloatArray, IntArray
 from ..geometry.kernel import kernel
 from ..geometry.vectors import combine, dot, norm, scale
-from ..model.dofs import DofMap
+from ..kernels.shape import DragKernel
+from ..kinematics.dofs import DofMap
 from ..model.drag import DragForce
-from ..model.kernels import DragKernel
 
 
 @kernel

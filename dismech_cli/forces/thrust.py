@@ -11,10 +11,10 @@ from typing import ClassVar
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
+from ..kernels.driver import Driver
+from ..kernels.linearization import Coupling, Linearization, Pattern, RankOne
+from ..kinematics.dofs import DofMap
 from ..model.configuration import Configuration
-from ..model.dofs import DofMap
-from ..model.driver import Driver
-from ..model.linearization import Coupling, Linearization, Pattern, RankOne
 from .enclosed_volume import EnclosedVolume
 
 

@@ -8,9 +8,9 @@ from typing import ClassVar
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
+from ..kernels.driver import Driver
+from ..kernels.linearization import Coupling, Linearization, Pattern
 from ..model.configuration import Configuration
-from ..model.driver import Driver
-from ..model.linearization import Coupling, Linearization, Pattern
 
 
 @dataclass(frozen=True, slots=True)

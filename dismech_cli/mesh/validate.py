@@ -8,9 +8,9 @@ import numpy as np
 
 from ..arrays import BoolArray, FloatArray, IntArray
 from ..errors import MeshError
+from .files.source import MAX_COORDINATE, Lines, check_count
 from .mesh import Mesh
-from .orient import half_edges, reverse, reversed_triangles
-from .source import MAX_COORDINATE, Lines, check_count
+from .topology.orient import half_edges, reverse, reversed_triangles
 
 LENGTH_TOLERANCE = 1e-12
 """Shortest edge, as a fraction of the diagonal of the bounding box."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ..arrays import FloatArray
-from .frames import TrialFrames
+from ..kinematics.rod_frames import TrialFrames
 
 
 @dataclass(frozen=True, slots=True)

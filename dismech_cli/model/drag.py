@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from ..arrays import FloatArray, IntArray
+from ..kernels.driver import DragLoop, Driver
+from ..kernels.linearization import Coupling, Linearization, Pattern
+from ..kernels.shape import DragKernel
 from .configuration import Configuration
-from .driver import DragLoop, Driver
-from .kernels import DragKernel
-from .linearization import Coupling, Linearization, Pattern
 
 
 @dataclass(frozen=True, slots=True)

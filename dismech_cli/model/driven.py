@@ -12,10 +12,10 @@ from typing import ClassVar
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
+from ..kernels.driver import Driver
+from ..kernels.linearization import Coupling, Linearization, Pattern
+from ..laws.laws import Law
 from .configuration import Configuration
-from .driver import Driver
-from .laws import Law
-from .linearization import Coupling, Linearization, Pattern
 from .stencil import BoundStencil, StencilEnergy
 
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ..arrays import FloatArray
-from .dofs import DofMap
-from .driver import Driver
-from .frames import Frames
-from .motion import Motion
+from ..kernels.driver import Driver
+from ..kinematics.dofs import DofMap
+from ..kinematics.motion import Motion
+from ..kinematics.rod_frames import Frames
 from .term import Term
 
 

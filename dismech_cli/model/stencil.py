@@ -8,10 +8,10 @@ from typing import ClassVar
 import numpy as np
 
 from ..arrays import BoolArray, FloatArray, IntArray
+from ..kernels.driver import Driver, StencilLoop
+from ..kernels.linearization import Coupling, Linearization, Pattern
+from ..kernels.shape import Kernel
 from .configuration import Configuration
-from .driver import Driver, StencilLoop
-from .kernels import Kernel
-from .linearization import Coupling, Linearization, Pattern
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,9 +10,9 @@ from __future__ import annotations
 from typing import ClassVar, Protocol, runtime_checkable
 
 from ..arrays import FloatArray
+from ..kernels.driver import Driver
+from ..kernels.linearization import Coupling, Linearization, Pattern
 from .configuration import Configuration
-from .driver import Driver
-from .linearization import Coupling, Linearization, Pattern
 
 
 class BoundTerm(Protocol):

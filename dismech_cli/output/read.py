@@ -14,13 +14,13 @@ from numpy.typing import NDArray
 
 from ..arrays import FloatArray
 from ..errors import OutputError
-from . import vtkhdf
 from .durable import output_errors
 from .frame import Topology
+from .hdf5 import vtkhdf
+from .hdf5.run_columns import plan_state
+from .hdf5.topology import read_topology
 from .manifest import Manifest, load_manifest
-from .run_columns import plan_state
 from .run_directory import RUN_FILE, SCALARS_FILE
-from .stored_topology import read_topology
 from .table import read_table
 
 # A reader may look at the very moment a frame is flushed; the next look finds the file whole.

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from ..errors import ScenarioError
 from .frame import Writer
-from .hdf5 import Hdf5Writer
+from .hdf5.writer import Hdf5Writer
 from .run_directory import RUN_FILE, SCALARS_FILE
 from .table import CsvWriter
 from .vtu import FRAMES_FOLDER, SERIES_FILE, VtuWriter

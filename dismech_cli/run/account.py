@@ -14,11 +14,11 @@ import numpy as np
 
 from ..arrays import FloatArray
 from ..forces.load import DeadLoad
+from ..kinematics.motion import moving_dofs
+from ..kinematics.rod_frames import Frames, TrialFrames
 from ..model.configuration import Configuration
 from ..model.driven import BoundDriven
-from ..model.frames import Frames, TrialFrames
 from ..model.model import Model
-from ..model.motion import moving_dofs
 from ..model.state import State
 from ..model.stencil import StencilEnergy
 from ..model.term import BoundEnergy, BoundTerm, Term

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..arrays import FloatArray
 from ..errors import LawError
-from ..model.frames import FrameState
+from ..kinematics.rod_frames import FrameState
 from ..model.state import State
 from ..output.frame import Frame
 from ..solve.status import Status
@@ -22,9 +22,9 @@ from .account import EnergyAccount
 from .clock import Clock
 from .failure import Attempt, describe_failure, describe_growth, describe_runaway
 from .interrupt import StopRequest
+from .observables.snapshot import Snapshot
 from .observe import Observer
 from .simulation import Simulation
-from .snapshot import Snapshot
 
 Arrays = Mapping[str, FloatArray]
 

@@ -12,9 +12,9 @@ from ..model.stencil import BoundStencil
 from ..output.frame import Frame
 from ..solve.step import Stepper
 from .account import EnergyAccount, Roles
-from .probes import Probe
+from .observables.probes import Probe
+from .observables.snapshot import Snapshot
 from .simulation import Simulation
-from .snapshot import Snapshot
 
 ENERGY_COLUMNS = (
     "kinetic",

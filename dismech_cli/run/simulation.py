@@ -11,8 +11,8 @@ from ..output.frame import Topology
 from ..solve.integrators import Integrator
 from ..solve.newton import NewtonSettings
 from .account import Roles
-from .fields import Field
-from .probes import Probe
+from .observables.probes import Probe
+from .observables.rod_fields import Field
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -8,21 +8,21 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from ..errors import ScenarioError
-from .checks import findings
-from .document import KeyPath, Node
-from .dump import dump_resolved, text_hash
-from .files import parse_source, read_source, resolve_file
-from .law import TableFile, TableLaw, to_law
-from .merge import Includes, without
-from .overrides import apply_override
-from .plausibility import doubts
-from .problems import Problem, ProblemsError, excerpt
-from .profiles import NAMES, apply_profile
-from .provenance import Provenance, trace
-from .reference import json_schema, markdown_reference
-from .schema import Scenario
-from .validation import check_version, place, point, validate
-from .walk import leaves, walk
+from .checking.checks import findings
+from .checking.plausibility import doubts
+from .checking.validation import check_version, place, point, validate
+from .language.scenario import Scenario
+from .text.files import parse_source, read_source, resolve_file
+from .text.merge import Includes, without
+from .text.overrides import apply_override
+from .text.problems import Problem, ProblemsError, excerpt
+from .text.profiles import NAMES, apply_profile
+from .text.tree import KeyPath, Node
+from .values.law import TableFile, TableLaw, to_law
+from .views.dump import dump_resolved, text_hash
+from .views.provenance import Provenance, trace
+from .views.reference import json_schema, markdown_reference
+from .views.walk import leaves, walk
 
 __all__ = [
     "LoadedScenario",

@@ -13,9 +13,9 @@ from math import isfinite, sqrt
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
-from ..model.frames import FrameState
+from ..kinematics.rod_frames import FrameState
 from .integrators import Stage
-from .linear import FactorizationError, LinearSolver, solve_updated
+from .linear.solver import FactorizationError, LinearSolver, solve_updated
 from .pattern import SparsityPattern
 from .status import Status
 from .system import Linearized, System

@@ -15,8 +15,8 @@ from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from ..arrays import BoolArray, FloatArray, IntArray
-from ..model.dofs import DofMap
-from ..model.linearization import Coupling
+from ..kernels.linearization import Coupling
+from ..kinematics.dofs import DofMap
 
 
 @dataclass(frozen=True, slots=True)

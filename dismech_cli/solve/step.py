@@ -8,14 +8,14 @@ from math import inf
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
+from ..kinematics.motion import held_dofs, held_span, prescribe
 from ..model.model import Model
-from ..model.motion import held_dofs, held_span, prescribe
 from ..model.state import State
-from .inertia import CountNegative, negative_eigenvalues_on
 from .integrators import Integrator, Stage, Weights
-from .linear import LinearSolver
+from .linear.choice import LINEAR_SOLVERS, choose_solver
+from .linear.solver import LinearSolver
+from .linear.stability import CountNegative, negative_eigenvalues_on
 from .newton import NewtonSettings, solve_stage
-from .solvers import LINEAR_SOLVERS, choose_solver
 from .status import Status
 from .system import System
 

@@ -10,12 +10,12 @@ from math import sqrt
 import numpy as np
 
 from ..arrays import BoolArray, FloatArray
+from ..kernels.driver import Driver
+from ..kernels.linearization import Linearization, RankOne
+from ..kernels.projection import ProjectedDriver
+from ..kinematics.rod_frames import FrameState
 from ..model.configuration import Configuration
-from ..model.driver import Driver
-from ..model.frames import FrameState
-from ..model.linearization import Linearization, RankOne
 from ..model.model import Model
-from ..model.projection import ProjectedDriver
 from ..model.term import BoundEnergy, BoundTerm
 from .integrators import Stage, Weights
 from .pattern import SparsityPattern

@@ -6,9 +6,9 @@ from collections.abc import Callable
 from typing import TypeAlias
 
 from ..arrays import FloatArray
-from ..model.frames import FrameState
+from ..kinematics.rod_frames import FrameState
 from .integrators import Stage
-from .linear import LinearSolver
+from .linear.solver import LinearSolver
 from .system import Linearized, System
 
 Factorize: TypeAlias = Callable[[System, LinearSolver, Stage, FloatArray, FrameState, Linearized], FloatArray]

@@ -14,8 +14,8 @@ import pytest
 from decks import Deck, attempt, line, rod_deck
 from numpy.testing import assert_allclose
 
-from dismech_cli.build.simulate import Result
 from dismech_cli.run.loop import End
+from dismech_cli.session.simulate import Result
 
 MODULUS = (1e2, 1e4, 1e6, 1e9, 1e12)
 RADIUS = (1e-6, 1e-4, 1e-3, 1e-2, 1.0)

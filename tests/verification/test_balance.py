@@ -12,7 +12,7 @@ from numpy.testing import assert_allclose
 from order import observed_order
 
 from dismech_cli.arrays import FloatArray
-from dismech_cli.build.simulate import Result
+from dismech_cli.session.simulate import Result
 
 INTEGRATORS: dict[str, int] = {
     "implicit_euler": 1,

@@ -19,9 +19,9 @@ from scipy.special import beta
 
 from dismech_cli import load
 from dismech_cli.arrays import FloatArray
-from dismech_cli.build.build import build
+from dismech_cli.compose.compose import build
+from dismech_cli.kinematics.motion import held_dofs
 from dismech_cli.model.model import Model
-from dismech_cli.model.motion import held_dofs
 from dismech_cli.model.state import State
 from dismech_cli.solve.integrators import Static
 from dismech_cli.solve.system import System

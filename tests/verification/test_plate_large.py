@@ -11,9 +11,9 @@ from shell_cases import Material, Shell, pressed, shell
 
 from dismech_cli.arrays import FloatArray, IntArray
 from dismech_cli.forces.load import DeadLoad
-from dismech_cli.mesh.generate_shell import Pattern, sheet
-from dismech_cli.model.laws import Constant, Ramp
-from dismech_cli.model.motion import Motion
+from dismech_cli.kinematics.motion import Motion
+from dismech_cli.laws.laws import Constant, Ramp
+from dismech_cli.mesh.generate.sheets import Pattern, sheet
 from dismech_cli.solve.integrators import Static
 from dismech_cli.solve.newton import NewtonSettings
 from dismech_cli.solve.status import Status

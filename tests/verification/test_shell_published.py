@@ -12,9 +12,9 @@ import pytest
 from numpy.testing import assert_allclose
 
 from dismech_cli import load, simulate
-from dismech_cli.mesh.generate_shell import disc
+from dismech_cli.mesh.generate.sheets import disc
 from dismech_cli.run.loop import End
-from dismech_cli.run.reduce import reduce_series
+from dismech_cli.run.observables.reduce import reduce_series
 
 FOLDER = Path(__file__).parents[2] / "scenarios"
 PATTERNS = ["equilateral", "right", "alternating", "unstructured"]

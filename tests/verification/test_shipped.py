@@ -8,7 +8,7 @@ import pytest
 
 from dismech_cli import load, simulate
 from dismech_cli.run.loop import End
-from dismech_cli.run.reduce import reduce_series
+from dismech_cli.run.observables.reduce import reduce_series
 
 FILES = sorted((Path(__file__).parents[2] / "scenarios" / "verification").glob("*.yaml"))
 

@@ -1,0 +1,32 @@
+"""``dismech resume``."""
+
+from __future__ import annotations
+
+from ...session.threads import use_threads_of
+from .. import options
+
+SUMMARY = "Continue a run from its last checkpoint; the result is that of an uninterrupted run."
+EXAMPLES = """
+dismech resume results/cantilever/20261122T101500Z-1a2b3c
+dismech resume out --wall-limit 1h
+"""
+
+
+def resume(
+    run_dir: options.RunDir,
+    until: options.Until = None,
+    checkpoint_every: options.CheckpointEvery = 60.0,
+    wall_limit: options.WallLimit = None,
+    json: options.Json = False,
+    progress: options.Progress = options.Shown.AUTO,
+    quiet: options.Quiet = False,
+    verbose: options.Verbose = False,
+) -> int:
+    """Entry point of the command."""
+    use_threads_of(run_dir)
+    from ...session.resume import proceed
+    from ..console import Console
+    from ..presenting import Presenting
+
+    present = Presenting(Console(options.level(quiet, verbose)), json, progress.value)
+    return proceed(run_dir, options.Pause(until, wall_limit, checkpoint_every), present)

@@ -1,0 +1,1 @@
+"""Bodies of the scenario as arrays: meshes, sections, joints, masses, selections."""

@@ -1,0 +1,196 @@
+"""Bodies of the scenario as one set of nodes, edges and triangles, groups resolved."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from ...arrays import FloatArray, IntArray
+from ...errors import MeshError
+from ...kinematics.strains import lengths
+from ...scenario.language.geometry import Rod, Shell
+from ...scenario.load import LoadedScenario
+from ...sections.rods import RodProperties
+from ...sections.shells import triangle_areas
+from .mesh import BodyMesh
+from .rod import properties_of, rod_mesh, with_ends
+from .shell import ShellProperties, shell_mesh, shell_properties
+
+
+@dataclass(frozen=True, slots=True)
+class ShellWeld:
+    """An edge of a rod that turns with a shell at one of its ends.
+
+    Attributes:
+        edge: The rod's edge.
+        node: The node that it shares with the shell.
+        joint: Place of the joint in the scenario's list.
+    """
+
+    edge: int
+    node: int
+    joint: int
+
+
+@dataclass(frozen=True, slots=True)
+class Geometry:
+    """All bodies together.
+
+    Attributes:
+        nodes: Positions [m], shape (N, 3).
+        edges: Rod edges, shape (E, 2).
+        edge_rod: Rod of each edge, shape (E,).
+        rods: The rods, in the order of the scenario.
+        rod_keys: Place of each rod in the scenario's list of bodies.
+        properties: Stiffness and inertia of each rod.
+        triangles: Shell triangles, shape (T, 3).
+        triangle_shell: Shell of each triangle, shape (T,).
+        shells: The shells, in the order of the scenario.
+        shell_keys: Place of each shell in the scenario's list of bodies.
+        sheets: Stiffness and inertia of each shell.
+        node_groups: ``body``, ``body.GROUP``, ``rod.start``, ``rod.end``, ``shell.boundary`` to nodes.
+        edge_groups: ``rod``, ``rod.start``, ``rod.end``, ``rod.GROUP`` to edge indices.
+        body_nodes: Nodes of each body, in its own order.
+        rod_edges: Edges of each rod, in its own order.
+        hinges: Nodes where no bending or twist passes between any edges.
+        rod_hinges: Nodes where none passes between edges of different rods.
+        parted: Node and rod where none passes between the rod's own edges, shape (P, 2): both turn with a
+            shell there.
+        released: Nodes where ``bending`` or ``twist`` alone does not pass between different rods.
+        loosened: Nodes where one of them alone does not pass between any edges.
+        shell_welds: Edges of rods that turn with a shell.
+        files: File of each body's mesh, or None, and its nodes' numbers there.
+        notes: What the mesh readers said.
+    """
+
+    nodes: FloatArray
+    edges: IntArray
+    edge_rod: IntArray
+    rods: tuple[Rod, ...]
+    rod_keys: tuple[int, ...]
+    properties: tuple[RodProperties, ...]
+    triangles: IntArray
+    triangle_shell: IntArray
+    shells: tuple[Shell, ...]
+    shell_keys: tuple[int, ...]
+    sheets: tuple[ShellProperties, ...]
+    node_groups: Mapping[str, IntArray]
+    edge_groups: Mapping[str, IntArray]
+    body_nodes: Mapping[str, IntArray]
+    rod_edges: Mapping[str, IntArray]
+    hinges: IntArray
+    rod_hinges: IntArray
+    parted: IntArray
+    released: Mapping[str, IntArray]
+    loosened: Mapping[str, IntArray]
+    shell_welds: tuple[ShellWeld, ...]
+    files: Mapping[str, tuple[Path, IntArray]]
+    notes: tuple[str, ...]
+
+    def per_edge(self, name: str) -> FloatArray:
+        """A property of the rods on every edge, shape (E,)."""
+        return np.array([getattr(p, name) for p in self.properties], dtype=np.float64)[self.edge_rod]
+
+    def per_triangle(self, name: str) -> FloatArray:
+        """A property of the shells on every triangle, shape (T,)."""
+        return np.array([getattr(s, name) for s in self.sheets], dtype=np.float64)[self.triangle_shell]
+
+    @property
+    def lengths(self) -> FloatArray:
+        """Rest lengths of the rod edges [m], shape (E,)."""
+        return lengths(self.nodes, self.edges)
+
+    @property
+    def areas(self) -> FloatArray:
+        """Rest areas of the triangles [m^2], shape (T,)."""
+        return triangle_areas(self.nodes, self.triangles)
+
+    @property
+    def on_shell(self) -> IntArray:
+        """Nodes of the shells."""
+        return np.unique(self.triangles)
+
+    def triangles_of(self, shell: str) -> IntArray:
+        """Indices of the triangles of a shell."""
+        return np.flatnonzero(self.triangle_shell == [one.name for one in self.shells].index(shell))
+
+
+def assemble_geometry(loaded: LoadedScenario) -> Geometry:
+    """Read or generate every body and put them together; joints are welded later.
+
+    Raises:
+        ScenarioError: A mesh is unusable.
+    """
+    scenario = loaded.scenario
+    nodes, edges, edge_rod, triangles, triangle_shell, notes = [], [], [], [], [], []
+    node_groups: dict[str, IntArray] = {}
+    edge_groups: dict[str, IntArray] = {}
+    body_nodes: dict[str, IntArray] = {}
+    rod_edges: dict[str, IntArray] = {}
+    files: dict[str, tuple[Path, IntArray]] = {}
+    rods, shells = scenario.rods, scenario.shells
+    n = e = 0
+    for index, body in enumerate(scenario.geometry):
+        found = _mesh(loaded, index, body)
+        mesh = found.mesh
+        notes += [f"{body.name}: {note}" for note in mesh.notes]
+        nodes.append(mesh.nodes)
+        edges.append(mesh.edges + n)
+        triangles.append(mesh.triangles + n)
+        body_nodes[body.name] = node_groups[body.name] = n + np.arange(len(mesh.nodes))
+        if found.file is not None:
+            files[body.name] = (found.file, found.numbers)
+        if isinstance(body, Rod):
+            edge_rod.append(np.full(len(mesh.edges), list(rods).index(index)))
+            rod_edges[body.name] = edge_groups[body.name] = e + np.arange(len(mesh.edges))
+        else:
+            triangle_shell.append(np.full(len(mesh.triangles), list(shells).index(index)))
+        for name, group in with_ends(mesh).items():
+            node_groups[f"{body.name}.{name}"] = group + n
+            if isinstance(body, Rod):
+                inside = np.isin(mesh.edges, group)
+                touching = inside.all(axis=1) if len(group) > 1 else inside.any(axis=1)
+                edge_groups[f"{body.name}.{name}"] = e + np.flatnonzero(touching)
+        for name, group in mesh.edge_groups.items():
+            edge_groups[f"{body.name}.{name}"] = group + e
+            node_groups.setdefault(f"{body.name}.{name}", np.unique(mesh.edges[group]) + n)
+        n, e = n + len(mesh.nodes), e + len(mesh.edges)
+    empty = np.empty(0, dtype=np.int64)
+    return Geometry(
+        nodes=np.concatenate(nodes),
+        edges=np.concatenate(edges),
+        edge_rod=np.concatenate((empty, *edge_rod)),
+        rods=tuple(rods.values()),
+        rod_keys=tuple(rods),
+        properties=tuple(properties_of(rod, scenario.materials[rod.material]) for rod in rods.values()),
+        triangles=np.concatenate(triangles),
+        triangle_shell=np.concatenate((empty, *triangle_shell)),
+        shells=tuple(shells.values()),
+        shell_keys=tuple(shells),
+        sheets=tuple(shell_properties(one, scenario.materials[one.material]) for one in shells.values()),
+        node_groups=node_groups,
+        edge_groups=edge_groups,
+        body_nodes=body_nodes,
+        rod_edges=rod_edges,
+        hinges=empty,
+        rod_hinges=empty,
+        parted=np.empty((0, 2), dtype=np.int64),
+        released={},
+        loosened={},
+        shell_welds=(),
+        files=files,
+        notes=tuple(notes),
+    )
+
+
+def _mesh(loaded: LoadedScenario, index: int, body: Rod | Shell) -> BodyMesh:
+    path = ("geometry", index, "generate" if body.generate is not None else "mesh")
+    try:
+        if isinstance(body, Rod):
+            return rod_mesh(body, loaded.directory)
+        return shell_mesh(body, loaded.directory)
+    except MeshError as error:
+        raise loaded.error(path, str(error)) from error

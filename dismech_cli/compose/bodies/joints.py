@@ -1,0 +1,169 @@
+"""Joints of the scenario: nodes that become one, and what passes through them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from itertools import combinations
+
+import numpy as np
+
+from ...arrays import IntArray
+from ...scenario.language.joint import HingeJoint, RigidJoint
+from ...scenario.load import LoadedScenario
+from ...scenario.values.selection import SelectionPair
+from ...sections.shells import edge_lengths
+from .geometry import Geometry, ShellWeld
+from .selection import select_single_node
+
+# Nodes of a joint must coincide to this fraction of the shortest edge.
+_COINCIDENT = 1e-6
+
+
+def weld_joints(loaded: LoadedScenario, geometry: Geometry) -> Geometry:
+    """Merge the nodes of joints, and those that a shell shares with other bodies of its file.
+
+    Raises:
+        ScenarioError: Two nodes of a joint do not coincide, or it is rigid and one is on a shell but the
+            other is on no rod.
+    """
+    target = np.arange(len(geometry.nodes))
+    hinges: list[int] = []
+    rod_hinges: list[int] = []
+    released: dict[str, list[int]] = {"bending": [], "twist": []}
+    loosened: dict[str, list[int]] = {"bending": [], "twist": []}
+    welds: list[ShellWeld] = []
+    welded: list[tuple[int, int]] = []
+    shared = _shared_by_file(geometry)
+    for a, b in shared:
+        target[target == target[b]] = target[a]
+        rod_hinges.append(a)
+    near = _COINCIDENT * _shortest(geometry)
+    for index, joint in enumerate(loaded.scenario.joints):
+        path = ("joints", index)
+        if isinstance(joint, HingeJoint) and joint.where is not None:
+            node = select_single_node(loaded, geometry, joint.where, (*path, "where"))
+            (hinges if joint.release is None else loosened[joint.release]).append(node)
+            continue
+        assert joint.nodes is not None
+        a, b = _pair(loaded, geometry, joint.nodes, near, (*path, "nodes"))
+        target[target == target[b]] = target[a]
+        if isinstance(joint, HingeJoint):
+            rod_hinges.append(a)
+            continue
+        on_shell = np.isin((a, b), geometry.triangles)
+        if on_shell.any():
+            welds += _shell_welds(loaded, geometry, index, (b, a) if on_shell[0] else (a, b))
+            continue
+        if joint.footprint is not None:
+            raise loaded.error((*path, "footprint"), "neither node is on a shell")
+        welded.append((index, a))
+        if joint.release is not None:
+            released[joint.release].append(a)
+    through_shells = [target[weld.node] for weld in welds]
+    for index, a in welded:
+        if target[a] in through_shells:
+            raise loaded.error(("joints", index), "a shell joins these rods: weld each of them to it instead")
+    rod_hinges += [weld.node for weld in welds]
+    kept, index_of = np.unique(target, return_inverse=True)
+
+    def moved(groups: Mapping[str, IntArray]) -> dict[str, IntArray]:
+        return {name: index_of[group] for name, group in groups.items()}
+
+    edges, triangles = index_of[geometry.edges], index_of[geometry.triangles]
+    degenerate = np.flatnonzero(edges[:, 0] == edges[:, 1])
+    if degenerate.size:
+        raise loaded.error(("joints",), f"a joint welds both ends of edge {degenerate[0]} together")
+    folded = np.flatnonzero((np.diff(np.sort(triangles, axis=1), axis=1) == 0).any(axis=1))
+    if folded.size:
+        raise loaded.error(("joints",), f"a joint welds two corners of triangle {folded[0]} together")
+    return replace(
+        geometry,
+        nodes=geometry.nodes[kept],
+        edges=edges,
+        triangles=triangles,
+        node_groups=moved(geometry.node_groups),
+        body_nodes=moved(geometry.body_nodes),
+        hinges=index_of[np.array(hinges, dtype=np.int64)],
+        rod_hinges=index_of[np.array(rod_hinges, dtype=np.int64)],
+        parted=np.array(
+            [(index_of[w.node], geometry.edge_rod[w.edge]) for w in welds], dtype=np.int64
+        ).reshape(-1, 2),
+        released=moved({what: np.array(nodes, dtype=np.int64) for what, nodes in released.items()}),
+        loosened=moved({what: np.array(nodes, dtype=np.int64) for what, nodes in loosened.items()}),
+        shell_welds=tuple(replace(weld, node=int(index_of[weld.node])) for weld in welds),
+    )
+
+
+def _pair(
+    loaded: LoadedScenario, geometry: Geometry, nodes: SelectionPair, near: float, path: tuple[str | int, ...]
+) -> tuple[int, int]:
+    """The two nodes of a joint.
+
+    Where the second selection finds the first node again, as the nearest to a point may, it means the
+    one other node at that place.
+    """
+    a, b = (select_single_node(loaded, geometry, side, (*path, k)) for k, side in enumerate(nodes))
+    if a == b:
+        gaps = np.linalg.norm(geometry.nodes - geometry.nodes[a], axis=1)
+        others = np.setdiff1d(np.flatnonzero(gaps <= near), [a])
+        if len(others) != 1:
+            raise loaded.error(
+                path, f"both select one node, and {len(others)} others are at its place; expected one"
+            )
+        b = int(others[0])
+    gap = float(np.linalg.norm(geometry.nodes[a] - geometry.nodes[b]))
+    if gap > near:
+        raise loaded.error(path, f"the two nodes are {gap:.3g} m apart; a joint needs them to coincide")
+    return a, b
+
+
+def _shell_welds(
+    loaded: LoadedScenario, geometry: Geometry, index: int, nodes: tuple[int, int]
+) -> list[ShellWeld]:
+    """The edges of a rod at the first node, which turn with the shell at the second.
+
+    Within a rod there are two. Each bends and twists over its half, as two springs in a row do: with a
+    shell that gives way between them they are the rod's own joint.
+    """
+    path = ("joints", index)
+    edges = np.flatnonzero((geometry.edges == nodes[0]).any(axis=1))
+    if len(edges) == 0:
+        raise loaded.error(
+            (*path, "nodes"), "a rigid joint welds rods, or a rod to a shell; for two shells take 'hinge'"
+        )
+    joint = loaded.scenario.joints[index]
+    if len(edges) > 1 and isinstance(joint, RigidJoint) and joint.release is not None:
+        raise loaded.error(
+            (*path, "release"),
+            f"{len(edges)} edges of a rod meet here, between which {joint.release} must pass; "
+            "only its end may be released from a shell",
+        )
+    return [ShellWeld(int(edge), nodes[1], index) for edge in edges]
+
+
+def _shared_by_file(geometry: Geometry) -> list[tuple[int, int]]:
+    """Pairs of nodes that a shell and another body took from one place in one file.
+
+    Rods from one file stay apart unless a joint says otherwise: only its joint knows whether
+    bending passes.
+    """
+    shells = {shell.name for shell in geometry.shells}
+    pairs: list[tuple[int, int]] = []
+    for one, two in combinations(geometry.files, 2):
+        (file, numbers), (other, others) = geometry.files[one], geometry.files[two]
+        if file != other or not shells.intersection((one, two)):
+            continue
+        _, here, there = np.intersect1d(numbers, others, assume_unique=True, return_indices=True)
+        first, second = geometry.body_nodes[one][here], geometry.body_nodes[two][there]
+        # apart where the bodies take the file at different scales
+        together = (geometry.nodes[first] == geometry.nodes[second]).all(axis=1)
+        first, second = first[together], second[together]
+        pairs += zip(first.tolist(), second.tolist(), strict=True)
+    return pairs
+
+
+def _shortest(geometry: Geometry) -> float:
+    """Shortest rod edge or side of a triangle [m]."""
+    sides = geometry.triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+    return float(edge_lengths(geometry.nodes, np.concatenate((geometry.edges, sides))).min())

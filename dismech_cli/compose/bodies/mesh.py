@@ -1,0 +1,71 @@
+"""The mesh of one body, and which nodes of its file it took."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from ...arrays import IntArray
+from ...mesh.mesh import Mesh
+
+
+def _no_numbers() -> IntArray:
+    return np.empty(0, dtype=np.int64)
+
+
+@dataclass(frozen=True, slots=True)
+class BodyMesh:
+    """A mesh of rod edges or of triangles.
+
+    Attributes:
+        mesh: The mesh; every node belongs to an element.
+        file: File that it was read from, or None.
+        numbers: Number of each node in that file, shape (N,): nodes that two bodies take from one
+            file are the same place.
+    """
+
+    mesh: Mesh
+    file: Path | None = None
+    numbers: IntArray = field(default_factory=_no_numbers)
+
+
+def part_of_file(mesh: Mesh, path: Path, scale: float, edges: IntArray, triangles: IntArray) -> BodyMesh:
+    """Some edges and triangles of a file, with the nodes that they use.
+
+    Groups of nodes, edges and triangles are kept as far as they lie within; a group of triangles is
+    a group of nodes too.
+
+    Args:
+        mesh: All that the file holds.
+        path: The file.
+        scale: Metres per unit of length in the file.
+        edges: Indices of the wanted edges.
+        triangles: Indices of the wanted triangles.
+    """
+    used = np.unique(np.concatenate((mesh.edges[edges].reshape(-1), mesh.triangles[triangles].reshape(-1))))
+    place = np.full(len(mesh.nodes), -1)
+    place[used] = np.arange(len(used))
+    node_groups = {name: place[group] for name, group in mesh.node_groups.items()}
+    for name, group in mesh.triangle_groups.items():
+        if len(triangles):
+            node_groups.setdefault(name, place[np.unique(mesh.triangles[group])])
+    part = Mesh(
+        nodes=scale * mesh.nodes[used],
+        edges=place[mesh.edges[edges]],
+        triangles=place[mesh.triangles[triangles]],
+        node_groups={name: group[group >= 0] for name, group in node_groups.items() if (group >= 0).any()},
+        edge_groups=_within(mesh.edge_groups, edges, len(mesh.edges)),
+        triangle_groups=_within(mesh.triangle_groups, triangles, len(mesh.triangles)),
+        notes=mesh.notes,
+    )
+    return BodyMesh(part, path.resolve(), used)
+
+
+def _within(groups: Mapping[str, IntArray], chosen: IntArray, count: int) -> dict[str, IntArray]:
+    place = np.full(count, -1)
+    place[chosen] = np.arange(len(chosen))
+    kept = {name: place[group][place[group] >= 0] for name, group in groups.items()}
+    return {name: group for name, group in kept.items() if group.size}

@@ -1,0 +1,105 @@
+"""One rod of the scenario: its mesh and its section."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from ...arrays import IntArray
+from ...errors import MeshError
+from ...mesh.files.read import read_mesh
+from ...mesh.generate import curves as generate
+from ...mesh.mesh import Mesh
+from ...mesh.validate import validate
+from ...scenario.language.geometry import MeshFile, Rod
+from ...scenario.language.material import Material
+from ...scenario.language.section import GivenSection, RectangularSection, RoundSection, TubeSection
+from ...scenario.language.shape import Arc, CsvCurve, Helix, Line, Polyline
+from ...sections.rods import (
+    RodProperties,
+    Section,
+    rectangular_section,
+    rod_properties,
+    round_section,
+    tube_section,
+)
+from .mesh import BodyMesh, part_of_file
+
+
+def rod_mesh(rod: Rod, directory: Path) -> BodyMesh:
+    """Generate or read the centreline.
+
+    Raises:
+        MeshError: The mesh is unusable.
+    """
+    if rod.mesh is not None:
+        return _read(rod.mesh, directory)
+    return BodyMesh(_generated(rod, directory))
+
+
+def with_ends(mesh: Mesh) -> dict[str, IntArray]:
+    """Node groups, with ``start`` and ``end`` of a single open chain from a file too."""
+    groups = dict(mesh.node_groups)
+    degree = np.bincount(mesh.edges.reshape(-1), minlength=len(mesh.nodes))
+    ends = np.flatnonzero(degree == 1)
+    if len(ends) == 2 and degree.max() == 2:
+        groups.setdefault("start", ends[:1])
+        groups.setdefault("end", ends[1:])
+    return groups
+
+
+def _read(source: MeshFile, directory: Path) -> BodyMesh:
+    path = directory / source.file
+    mesh = read_mesh(path)
+    if source.group is not None and source.group not in mesh.edge_groups:
+        known = ", ".join(sorted(mesh.edge_groups)) or "none"
+        raise MeshError(f"{source.file} has no group of lines '{source.group}'; it has: {known}")
+    if len(mesh.edges) == 0:
+        raise MeshError(f"{source.file} has no lines; a rod needs some")
+    chosen = np.arange(len(mesh.edges)) if source.group is None else mesh.edge_groups[source.group]
+    none = np.empty(0, dtype=np.int64)
+    part = part_of_file(mesh, path, source.scale, chosen, none)
+    return BodyMesh(validate(part.mesh, source.file), part.file, part.numbers)
+
+
+def _generated(rod: Rod, directory: Path) -> Mesh:
+    match rod.generate:
+        case Line() as s:
+            return generate.line(s.start, s.end, s.nodes)
+        case Arc() as s:
+            return generate.arc(s.center, s.radius, s.normal, s.start, s.angle, s.nodes, closed=s.closed)
+        case Helix() as s:
+            return generate.helix(
+                s.origin, s.axis, s.radius, s.pitch, s.turns, s.nodes, handedness=s.handedness, phase=s.phase
+            )
+        case Polyline() as s:
+            return generate.polyline(s.points, nodes=s.nodes, spacing=s.spacing, closed=s.closed)
+        case CsvCurve() as s:
+            return generate.from_csv(directory / s.file, s.columns, closed=s.closed)
+        case None:
+            raise AssertionError("the schema asks for generate or mesh")
+
+
+def properties_of(rod: Rod, material: Material) -> RodProperties:
+    """Stiffness and inertia of a rod."""
+    shape: Section
+    match rod.cross_section:
+        case RoundSection() as s:
+            shape = round_section(s.radius)
+        case TubeSection() as s:
+            shape = tube_section(s.outer_radius, s.inner_radius)
+        case RectangularSection() as s:
+            shape = rectangular_section(s.width, s.thickness, s.torsion_constant)
+        case GivenSection() as s:
+            return RodProperties(
+                axial=s.axial_stiffness,
+                bending_1=s.bending_stiffness_1,
+                bending_2=s.bending_stiffness_2,
+                torsional=s.torsional_stiffness,
+                mass_per_length=s.mass_per_length,
+                polar_per_length=s.rotary_inertia_per_length,
+                area=s.mass_per_length / material.density,
+                radius=s.radius,
+            )
+    return rod_properties(shape, material.youngs_modulus, material.poisson_ratio, material.density)

@@ -1,0 +1,141 @@
+"""One shell of the scenario: its mesh and its material."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from ...arrays import FloatArray
+from ...errors import MeshError
+from ...mesh.files.read import read_mesh
+from ...mesh.generate import curved as generate_curved
+from ...mesh.generate import sheets as generate_shell
+from ...mesh.generate.sheets import Pattern
+from ...mesh.mesh import Mesh
+from ...mesh.topology.shells import shell_edges
+from ...scenario.language.geometry import Shell, SurfaceFile
+from ...scenario.language.material import Material
+from ...scenario.language.surface import (
+    AnnulusSurface,
+    CylinderSurface,
+    DiscSurface,
+    HemisphereSurface,
+    SheetSurface,
+    SphereSurface,
+)
+from .mesh import BodyMesh, part_of_file
+
+
+@dataclass(frozen=True, slots=True)
+class ShellProperties:
+    """A homogeneous isotropic sheet.
+
+    Attributes:
+        youngs_modulus: E [Pa].
+        poisson_ratio: nu [1].
+        thickness: h [m].
+        mass_per_area: rho h [kg/m^2].
+    """
+
+    youngs_modulus: float
+    poisson_ratio: float
+    thickness: float
+    mass_per_area: float
+
+
+def shell_properties(shell: Shell, material: Material) -> ShellProperties:
+    """Stiffness and inertia of a shell."""
+    return ShellProperties(
+        material.youngs_modulus,
+        material.poisson_ratio,
+        shell.thickness,
+        material.density * shell.thickness,
+    )
+
+
+def shell_mesh(shell: Shell, directory: Path) -> BodyMesh:
+    """Generate or read the surface; its rims are the group ``boundary``.
+
+    Raises:
+        MeshError: The mesh is unusable.
+    """
+    body = _read(shell.mesh, directory) if shell.mesh is not None else BodyMesh(_generated(shell))
+    topology = shell_edges(body.mesh.triangles)
+    rim = np.unique(topology.edges[topology.edge_faces[:, 1] < 0])
+    groups = dict(body.mesh.node_groups)
+    if rim.size:
+        groups["boundary"] = rim
+    return replace(body, mesh=replace(body.mesh, node_groups=groups))
+
+
+def _read(source: SurfaceFile, directory: Path) -> BodyMesh:
+    path = directory / source.file
+    mesh = read_mesh(path)
+    if source.group is not None and source.group not in mesh.triangle_groups:
+        known = ", ".join(sorted(mesh.triangle_groups)) or "none"
+        raise MeshError(f"{source.file} has no group of triangles '{source.group}'; it has: {known}")
+    if len(mesh.triangles) == 0:
+        raise MeshError(f"{source.file} has no triangles; a shell needs some")
+    chosen = np.arange(len(mesh.triangles)) if source.group is None else mesh.triangle_groups[source.group]
+    return part_of_file(mesh, path, source.scale, np.empty(0, dtype=np.int64), chosen)
+
+
+def _generated(shell: Shell) -> Mesh:
+    match shell.generate:
+        case SheetSurface() as s:
+            mesh = generate_shell.sheet(s.length, s.width, s.divisions, Pattern(s.pattern))
+            return _placed(mesh, s.origin, _spanned(s.axes))
+        case DiscSurface() as s:
+            mesh = generate_shell.disc(s.radius, s.rings, counts=s.counts)
+            return _placed(mesh, s.center, _about(s.normal))
+        case AnnulusSurface() as s:
+            mesh = generate_shell.annulus(s.inner_radius, s.outer_radius, s.rings, counts=s.counts)
+            return _placed(mesh, s.center, _about(s.normal))
+        case HemisphereSurface() as s:
+            rings = len(s.polar_angles or ()) or s.rings or 1
+            mesh = generate_shell.hemisphere(s.radius, rings, polar_angles=s.polar_angles, counts=s.counts)
+            return _placed(mesh, s.center, _about(s.axis))
+        case CylinderSurface() as s:
+            mesh = generate_curved.cylinder(s.radius, s.length, s.angle, s.divisions, Pattern(s.pattern))
+            return _placed(mesh, s.origin, _started(s.axis, s.start))
+        case SphereSurface() as s:
+            first, last = s.polar
+            pattern = Pattern(s.pattern)
+            mesh = generate_curved.sphere(s.radius, (first, last), s.angle, s.divisions, pattern)
+            return _placed(mesh, s.center, _started(s.axis, s.start))
+        case None:
+            raise AssertionError("the schema asks for generate or mesh")
+
+
+def _placed(mesh: Mesh, origin: Sequence[float], axes: FloatArray) -> Mesh:
+    """Turn a mesh from the space axes to ``axes`` (rows) and move it."""
+    return replace(mesh, nodes=mesh.nodes @ axes + np.array(origin))
+
+
+def _spanned(axes: Sequence[Sequence[float]]) -> FloatArray:
+    """Right-handed axes: the first given, the second made normal to it."""
+    first, second = (np.array(axis, dtype=np.float64) for axis in axes)
+    first /= np.linalg.norm(first)
+    second -= (second @ first) * first
+    second /= np.linalg.norm(second)
+    return np.stack((first, second, np.cross(first, second)))
+
+
+def _started(axis: Sequence[float], start: Sequence[float]) -> FloatArray:
+    """Right-handed axes: the third given, the first made normal to it."""
+    third, first, second = _spanned((axis, start))
+    return np.stack((first, second, third))
+
+
+def _about(normal: Sequence[float]) -> FloatArray:
+    """Axes with a given third one: x and y turned by the shortest way, half a turn about x for -z."""
+    n = np.array(normal, dtype=np.float64)
+    n /= np.linalg.norm(n)
+    if n[2] < -1.0 + 1e-12:
+        return np.diag((1.0, -1.0, -1.0))
+    x, y, z = n
+    w = 1.0 / (1.0 + z)
+    return np.array([[1.0 - x * x * w, -x * y * w, -x], [-x * y * w, 1.0 - y * y * w, -y], [x, y, z]])

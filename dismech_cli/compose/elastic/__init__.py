@@ -1,0 +1,1 @@
+"""Elastic energies of rods, shells and welds, driven where the scene is actuated."""

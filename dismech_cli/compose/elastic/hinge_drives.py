@@ -1,0 +1,102 @@
+"""Actuation of the hinges of shells as drives of natural angles."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from ...arrays import BoolArray, FloatArray, IntArray
+from ...mesh.topology.shells import ShellTopology
+from ...model.driven import Drive
+from ...scenario.language.actuation import DihedralActuation, Tangential
+from ...scenario.language.geometry import Shell
+from ...scenario.load import LoadedScenario
+from ..bodies.geometry import Geometry
+from ..bodies.selection import select_nodes
+from ..laws import ToLaw
+from ..shells.bending import bending_of
+
+
+def hinge_drives(
+    loaded: LoadedScenario,
+    geometry: Geometry,
+    shell: Shell,
+    topology: ShellTopology,
+    index: int,
+    actuation: DihedralActuation,
+    laws: ToLaw,
+) -> tuple[Drive, ...]:
+    """Drives of the bending energy of a shell, whichever it is.
+
+    Raises:
+        ScenarioError: The actuation drives no hinge.
+    """
+    hinges = _driven_hinges(loaded, geometry, topology, index, actuation)
+    return tuple(_drives(geometry, shell, topology, hinges, actuation, laws))
+
+
+def _driven_hinges(
+    loaded: LoadedScenario,
+    geometry: Geometry,
+    topology: ShellTopology,
+    index: int,
+    actuation: DihedralActuation,
+) -> IntArray:
+    """Hinges of a shell that an actuation drives, in the order that s counts."""
+    path = ("actuation", index)
+    edges = topology.hinges[:, :2]
+    middle = geometry.nodes[edges].mean(axis=1)
+    chosen = np.ones(len(edges), dtype=np.bool_)
+    if actuation.hinges is not None:
+        nodes = select_nodes(loaded, geometry, actuation.hinges, (*path, "hinges"))
+        chosen &= np.isin(edges, nodes).all(axis=1)
+    if actuation.tangential is not None:
+        along = geometry.nodes[edges[:, 1]] - geometry.nodes[edges[:, 0]]
+        chosen &= _across(along, middle, actuation.tangential)
+    hinges = np.flatnonzero(chosen)
+    if hinges.size == 0:
+        raise loaded.error(path, f"drives no hinge of shell '{actuation.shell}', which has {len(edges)}")
+    if actuation.order_by is None:
+        return hinges
+    return hinges[np.argsort(middle[hinges] @ np.array(actuation.order_by), kind="stable")]
+
+
+def _across(along: FloatArray, middle: FloatArray, wanted: Tangential) -> BoolArray:
+    """Whether each edge makes a large enough angle with the line from its middle to the apex."""
+    toward = np.array(wanted.apex) - middle
+    sine = np.linalg.norm(np.cross(along, toward), axis=1)
+    cosine = np.abs((along * toward).sum(axis=1))
+    across: BoolArray = np.arctan2(sine, cosine) >= wanted.min_angle
+    return across
+
+
+def _drives(
+    geometry: Geometry,
+    shell: Shell,
+    topology: ShellTopology,
+    hinges: IntArray,
+    actuation: DihedralActuation,
+    laws: ToLaw,
+) -> Iterator[Drive]:
+    """Drives of the natural angles; an energy of faces meets each hinge at two, as one of their sides."""
+    bending = bending_of(shell)
+    place = np.arange(len(hinges)) / max(len(hinges) - 1, 1)
+    x, y, z = geometry.nodes[topology.hinges[hinges, :2]].mean(axis=1).T
+
+    def drive(row: int, stencils: IntArray, members: IntArray) -> Drive:
+        at = {"x": x[members], "y": y[members], "z": z[members], "r": np.hypot(x, y)[members]}
+        law = laws(actuation.value, at)
+        factors = np.full(len(members), bending.dihedral_factor)
+        return Drive(row, stencils, law, place[members], factors)
+
+    if bending.at_hinges:
+        yield drive(0, hinges, np.arange(len(hinges)))
+        return
+    faces = topology.hinge_faces[hinges].reshape(-1)
+    members = np.repeat(np.arange(len(hinges)), 2)
+    sides = topology.face_edges[faces] == np.repeat(topology.hinge_edges[hinges], 2)[:, None]
+    for row in range(3):
+        mine = sides[:, row]
+        if mine.any():
+            yield drive(row, faces[mine], members[mine])

@@ -1,0 +1,1 @@
+"""Forces of the scenario as terms of the model."""

@@ -1,0 +1,100 @@
+"""Forces on rods as terms of the model."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from ...arrays import FloatArray
+from ...forces.moment import EdgeMoment
+from ...forces.resistive import resistive_force
+from ...forces.viscous import ViscousDamping
+from ...model.term import Term
+from ...scenario.language.force import Distributed, Moment, Resistive, Viscous
+from ...sections.mass import nodal_lengths
+from ..bodies.geometry import Geometry
+from ..bodies.selection import select_nodes
+from ..laws import components, vanishes
+from .followers import carried_by_edges, follower_loads
+from .setting import Place, Setting, dead_loads
+
+
+def distributed(setting: Setting, place: Place, force: Distributed) -> Iterator[Term]:
+    """A force per rest length."""
+    path, vector = place.key("force_per_length"), components(force.force_per_length, setting.laws)
+    if force.follower:
+        carried = carried_by_edges(setting, _selected(setting.geometry, force.rods))
+        return follower_loads(setting, place.name, path, vector, [carried])
+    return dead_loads(setting, place.name, path, vector, _nodal_lengths(setting, force.rods))
+
+
+def viscous(setting: Setting, place: Place, force: Viscous) -> Iterator[Term]:
+    """Drag by length, the same in every direction."""
+    dofs, length = setting.dofs, _nodal_lengths(setting, force.rods)
+    damped = np.flatnonzero(length)
+    coefficients = np.repeat(force.coefficient * length[damped], dofs.dimension)
+    yield ViscousDamping(place.name, dofs.of_nodes(damped).reshape(-1), coefficients)
+
+
+def resistive(setting: Setting, place: Place, force: Resistive) -> Iterator[Term]:
+    """Drag by length, along the rod and across it."""
+    geometry = setting.geometry
+    wet = np.flatnonzero(_selected(geometry, force.rods))
+    yield resistive_force(
+        place.name, setting.dofs, geometry.edges[wet], geometry.lengths[wet], force.tangential, force.normal
+    )
+
+
+def moment(setting: Setting, place: Place, force: Moment) -> Iterator[Term]:
+    """Moments on nodes, shared equally by the rod edges at each node.
+
+    Raises:
+        ScenarioError: A node is none of a rod, or a moment turns out of the plane of the scene.
+    """
+    geometry, dofs, loaded = setting.geometry, setting.dofs, setting.loaded
+    nodes = select_nodes(loaded, geometry, force.where, place.key("where"))
+    degree = np.bincount(geometry.edges.reshape(-1), minlength=len(geometry.nodes))
+    share = np.zeros(len(geometry.edges))
+    for side in (0, 1):
+        at = np.isin(geometry.edges[:, side], nodes)
+        share[at] += 1.0 / degree[geometry.edges[at, side]]
+    edges = np.flatnonzero(share)
+    if np.any(degree[nodes] == 0):
+        lone = nodes[degree[nodes] == 0][0]
+        raise loaded.error(
+            place.key("where"), f"selects node {lone}, which no rod has: a moment acts on rods"
+        )
+    angles = dofs.of_angles(edges) if dofs.n_angles else np.empty(0, dtype=np.int64)
+    for axis, law in enumerate(components(force.moment, setting.laws)):
+        if vanishes(law):
+            continue
+        # a planar scene turns about its normal only
+        if dofs.dimension == 2 and axis in dofs.axes:
+            raise loaded.error(
+                place.key("moment"), f"turns about {'xyz'[axis]}, out of the plane of the scene"
+            )
+        moments = np.zeros((len(edges), 3))
+        moments[:, axis] = share[edges]
+        yield EdgeMoment(
+            f"{place.name}.{'xyz'[axis]}",
+            dofs.of_nodes(geometry.edges[edges, 0]),
+            dofs.of_nodes(geometry.edges[edges, 1]),
+            angles,
+            dofs.axes,
+            moments,
+            law,
+        )
+
+
+def _nodal_lengths(setting: Setting, names: Sequence[str] | None) -> FloatArray:
+    """Length of the named rods at each node [m], shape (n_nodes,); walls get nothing."""
+    geometry = setting.geometry
+    lengths = geometry.lengths * _selected(geometry, names)
+    return nodal_lengths(setting.dofs.n_nodes, geometry.edges, lengths)
+
+
+def _selected(geometry: Geometry, names: Sequence[str] | None) -> FloatArray:
+    """1 on the edges of the named rods (all by default), 0 elsewhere, shape (E,)."""
+    chosen = np.array([names is None or rod.name in names for rod in geometry.rods], dtype=np.bool_)
+    return chosen[geometry.edge_rod].astype(np.float64)

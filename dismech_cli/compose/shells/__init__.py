@@ -1,0 +1,1 @@
+"""Tables of the models of shells, and the edges that carry normals."""

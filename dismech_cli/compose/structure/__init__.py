@@ -1,0 +1,1 @@
+"""What the scene needs, what holds it, and how its DOFs are numbered."""

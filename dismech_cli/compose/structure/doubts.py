@@ -1,0 +1,177 @@
+"""What the geometry makes doubtful: said by ``dismech check`` and before a run."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import combinations
+
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import KDTree
+
+from ...arrays import FloatArray, IntArray
+from ...scenario.language.motion import Clamp
+from ...scenario.language.numerics import Static
+from ...scenario.load import LoadedScenario
+from ..bodies.geometry import Geometry
+from ..shells.bending import bending_of
+from .holds import Hold
+
+# 0 on equilateral nets, whatever their rims; 8 on unstructured ones, 10 on discs, 21 on right angles.
+_UNEVEN = 6.0
+# Nodes nearer than this fraction of the size of the scene were meant to be one.
+_SAME_PLACE = 1e-9
+# Rigid motions are free that move held nodes by less, in squares of the size of the motion.
+_FREE = 1e-9
+
+
+def scene_doubts(loaded: LoadedScenario, geometry: Geometry, holds: tuple[Hold, ...]) -> Iterator[str]:
+    """Warnings, each with its place in the scenario."""
+    yield from _uneven_meshes(loaded, geometry)
+    yield from _single_rows(loaded, geometry, holds)
+    yield from _touching(loaded, geometry)
+    if isinstance(loaded.scenario.numerics.integrator, Static):
+        yield from _adrift(loaded, geometry, holds)
+
+
+def _uneven_meshes(loaded: LoadedScenario, geometry: Geometry) -> Iterator[str]:
+    """Models that are right between equilateral triangles only, between others."""
+    for key, shell in zip(geometry.shell_keys, geometry.shells, strict=True):
+        off = unevenness(geometry.nodes, geometry.triangles[geometry.triangles_of(shell.name)])
+        if off <= _UNEVEN:
+            continue
+        start = f"the corners of '{shell.name}' are {off:.0f} degrees off those of equilateral triangles: "
+        if not bending_of(shell).converges:
+            yield loaded.warning(
+                ("geometry", key, "bending"),
+                f"{start}bending '{shell.bending}' depends on the mesh there and does not converge; "
+                "take 'midedge'",
+            )
+        if shell.membrane != "cst":
+            yield loaded.warning(
+                ("geometry", key, "membrane"),
+                f"{start}springs along edges stretch by the mesh there; take 'cst'",
+            )
+
+
+def unevenness(nodes: FloatArray, triangles: IntArray) -> float:
+    """How far the corners of the typical triangle are from 60 degrees [deg].
+
+    The median over triangles, so that the halved ones at the rim of an equilateral net do not
+    count, of the root mean square over corners.
+    """
+    x = [nodes[triangles[:, k]] for k in range(3)]
+    angles = []
+    for k in range(3):
+        a, b = x[k - 2] - x[k], x[k - 1] - x[k]
+        angles.append(np.arctan2(np.linalg.norm(np.cross(a, b), axis=1), (a * b).sum(axis=1)))
+    square = ((np.degrees(np.stack(angles)) - 60.0) ** 2).mean(axis=0)
+    return float(np.median(np.sqrt(square)))
+
+
+def _single_rows(loaded: LoadedScenario, geometry: Geometry, holds: tuple[Hold, ...]) -> Iterator[str]:
+    """Clamps that a shell without normals of its own can turn about."""
+    held = np.zeros(len(geometry.nodes), dtype=bool)
+    for hold in holds:
+        held[hold.nodes] = True
+    for index, (motion, hold) in enumerate(zip(loaded.scenario.motions, holds, strict=True)):
+        if not isinstance(motion, Clamp):
+            continue
+        for shell in geometry.shells:
+            triangles = geometry.triangles[geometry.triangles_of(shell.name)]
+            touched = np.isin(triangles, hold.nodes).any(axis=1)
+            if bending_of(shell).free_normals or not touched.any() or held[triangles].all(axis=1).any():
+                continue
+            yield loaded.warning(
+                ("motions", index, "where"),
+                f"holds no whole triangle of '{shell.name}', which can turn about it: bending "
+                f"'{shell.bending}' knows no slope at a rim; hold two rows of nodes, or take 'midedge'",
+            )
+
+
+def _touching(loaded: LoadedScenario, geometry: Geometry) -> Iterator[str]:
+    """Bodies with nodes at one place that no joint made one."""
+    size = float(np.ptp(geometry.nodes, axis=0).max())
+    pairs = KDTree(geometry.nodes).query_pairs(_SAME_PLACE * size, output_type="ndarray")
+    if not len(pairs):
+        return
+    for one, two in combinations(geometry.body_nodes, 2):
+        a, b = geometry.body_nodes[one], geometry.body_nodes[two]
+        here = (np.isin(pairs, a).any(axis=1) & np.isin(pairs, b).any(axis=1)).sum()
+        if here:
+            key = next(k for k, body in enumerate(loaded.scenario.geometry) if body.name == two)
+            yield loaded.warning(
+                ("geometry", key),
+                f"'{one}' and '{two}' touch, with nodes at the same place ({here}), but nothing joins them; "
+                "if they belong together, add a joint",
+            )
+
+
+def _adrift(loaded: LoadedScenario, geometry: Geometry, holds: tuple[Hold, ...]) -> Iterator[str]:
+    """Bodies that a static scene leaves free to move or turn as a whole."""
+    sides = geometry.triangles[:, [0, 1, 1, 2]].reshape(-1, 2)
+    tail, head = np.concatenate((geometry.edges, sides)).T
+    count = len(geometry.nodes)
+    graph = coo_array((np.ones(len(tail)), (tail, head)), shape=(count, count))
+    _, part = connected_components(graph, directed=False)
+    planar = loaded.scenario.dimension == 2
+    motions = _planar_motions(loaded.scenario.plane) if planar else np.arange(6)
+    told: set[int] = set()
+    for key, body in enumerate(loaded.scenario.geometry):
+        label = int(part[geometry.body_nodes[body.name][0]])
+        if label in told:
+            continue
+        told.add(label)
+        free = len(motions) - _held_motions(geometry, holds, part == label, motions)
+        if free:
+            yield loaded.warning(
+                ("geometry", key),
+                f"nothing holds '{body.name}' in {free} of the {len(motions)} ways to move or turn as a "
+                "whole: where it rests is left to rounding, if it rests at all",
+            )
+
+
+def _planar_motions(plane: str) -> IntArray:
+    """Of three translations and three rotations, those within a plane."""
+    inside = ["xyz".index(axis) for axis in plane]
+    (normal,) = {0, 1, 2}.difference(inside)
+    return np.array([*inside, 3 + normal])
+
+
+def _held_motions(geometry: Geometry, holds: tuple[Hold, ...], member: IntArray, motions: IntArray) -> int:
+    """Number of rigid motions of the member nodes that the holds leave none of."""
+    nodes = np.flatnonzero(member)
+    middle = geometry.nodes[nodes].mean(axis=0)
+    size = float(np.linalg.norm(geometry.nodes[nodes] - middle, axis=1).max())
+    rows: list[FloatArray] = []
+    for hold in holds:
+        held = np.intersect1d(hold.nodes, nodes)
+        arms = (geometry.nodes[held] - middle) / size
+        for axis in hold.axes:
+            unit = np.eye(3)[axis]
+            rows.append(np.hstack((np.tile(unit, (len(held), 1)), np.cross(arms, unit))))
+        rows += _held_turning(geometry, hold, held)
+    if not rows:
+        return 0
+    matrix = np.concatenate(rows)[:, motions]
+    return int((np.linalg.eigvalsh(matrix.T @ matrix) > _FREE).sum())
+
+
+def _held_turning(geometry: Geometry, hold: Hold, held: IntArray) -> Iterator[FloatArray]:
+    """Rows of the rotations that a hold of the held nodes prevents by itself."""
+    still = np.zeros((3, 3))
+    at_walls = np.isin(geometry.edges, np.intersect1d(hold.walls, held)).any(axis=1)
+    if at_walls.any() or np.isin(geometry.edges[hold.edges], held).all(axis=1).any():
+        yield np.hstack((still, np.eye(3)))
+    for k, shell in enumerate(geometry.shells):
+        if not bending_of(shell).free_normals:
+            continue
+        triangles = geometry.triangles[geometry.triangle_shell == k]
+        sides = triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+        sides = sides[np.isin(sides, np.intersect1d(hold.sloped, held)).all(axis=1)]
+        if len(sides):
+            # the normal at a side does not turn about it
+            directions = geometry.nodes[sides[:, 1]] - geometry.nodes[sides[:, 0]]
+            directions /= np.linalg.norm(directions, axis=1)[:, None]
+            yield np.hstack((np.zeros_like(directions), directions))

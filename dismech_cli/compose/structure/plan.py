@@ -1,0 +1,257 @@
+"""What the scene needs: every decision made once, with its reason. A pure function.
+
+Only exact reductions are taken: each leaves the answer unchanged and has an equivalence test.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from enum import Enum
+from importlib.util import find_spec
+
+import numpy as np
+
+from ...arrays import BoolArray, IntArray
+from ...kinematics.strains import curvature_binormal
+from ...mesh.topology.rods import ChainKind, chains, rod_stencils
+from ...scenario.language.actuation import CurvatureActuation, TwistActuation
+from ...scenario.language.force import Distributed, Point
+from ...scenario.language.motion import Twist
+from ...scenario.language.numerics import Static
+from ...scenario.language.probe import TwistProbe
+from ...scenario.load import LoadedScenario
+from ..bodies.geometry import Geometry
+from ..bodies.selection import select_nodes
+from ..shells.bending import bending_of
+from .doubts import scene_doubts
+from .holds import Hold, twists
+
+# A rest shape counts as straight below this integrated curvature; mesh files carry 1e-10.
+_STRAIGHT = 1e-9
+# Compiling costs about 10 s; below this much estimated NumPy time it never pays [stencil updates].
+_COMPILE_WORTH = 2_000_000
+# A triangle bends at a hinge and a half and stretches: worth this many rod edges.
+_TRIANGLE = 3.0
+
+
+class Bending(Enum):
+    """Bending models of the rods of a scene."""
+
+    NONE = "no rods: no edge angles, no rod frames"
+    PLANAR = "planar: signed curvature, 2 DOFs per node"
+    ISOTROPIC = "isotropic: curvature binormal, 3 DOFs per node"
+    FRAMED = "framed: material curvatures and twist, 3 DOFs per node and 1 per edge"
+
+
+@dataclass(frozen=True, slots=True)
+class Decision:
+    """One decision and its reason, as ``dismech check`` prints them."""
+
+    what: str
+    why: str
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """The shape of the model.
+
+    Attributes:
+        axes: Space axes that the model carries.
+        bending: Bending model.
+        static: Whether mass is left out.
+        kernels: ``numpy`` or ``numba``.
+        decisions: What was decided and why.
+        warnings: What is allowed but doubtful, each with its place.
+    """
+
+    axes: tuple[int, ...]
+    bending: Bending
+    static: bool
+    kernels: str
+    decisions: tuple[Decision, ...]
+    warnings: tuple[str, ...]
+
+    def __str__(self) -> str:
+        return "\n".join(f"{d.what}: {d.why}" for d in self.decisions)
+
+
+def make_plan(
+    loaded: LoadedScenario, geometry: Geometry, holds: tuple[Hold, ...], kernels: str | None = None
+) -> Plan:
+    """Decide.
+
+    Args:
+        loaded: The scenario.
+        geometry: Its rods.
+        holds: Its motions.
+        kernels: Those of the run that is resumed, if any.
+
+    Raises:
+        ScenarioError: The scene contradicts a choice of the user.
+    """
+    scenario = loaded.scenario
+    decisions: list[Decision] = []
+    axes: tuple[int, ...] = (0, 1, 2)
+    if scenario.dimension == 2:
+        axes = tuple("xyz".index(c) for c in scenario.plane)
+        _check_planar(loaded, geometry, axes)
+        bending = Bending.PLANAR
+        decisions.append(Decision(bending.value, f"dimension 2, plane {scenario.plane}"))
+    elif geometry.rods:
+        bending, why = _bending(loaded, geometry, holds)
+        decisions.append(Decision(bending.value, why))
+    else:
+        bending = Bending.NONE
+        decisions.append(Decision(bending.value, "the scene has shells only"))
+    decisions += _shells(geometry)
+    static = isinstance(scenario.numerics.integrator, Static)
+    if static:
+        decisions.append(Decision("no inertia", "static: mass enters the weight only"))
+    if not any(force.velocity_dependent for force in scenario.forces):
+        decisions.append(Decision("no damping matrix", "no force depends on velocity"))
+    kernels, why = (kernels, "as in the resumed run") if kernels else _kernels(loaded, geometry)
+    decisions.append(Decision(f"kernels by {kernels}", why))
+    return Plan(
+        axes, bending, static, kernels, tuple(decisions), tuple(scene_doubts(loaded, geometry, holds))
+    )
+
+
+def _check_planar(loaded: LoadedScenario, geometry: Geometry, axes: tuple[int, ...]) -> None:
+    (normal,) = {0, 1, 2}.difference(axes)
+    out = geometry.nodes[:, normal]
+    size = float(np.ptp(geometry.nodes, axis=0).max())
+    if np.ptp(out) > 1e-9 * size:
+        raise loaded.error(
+            ("dimension",),
+            f"the scene is not planar: nodes spread over {np.ptp(out):.3g} m in {'xyz'[normal]}, "
+            f"out of plane {loaded.scenario.plane}",
+        )
+
+
+def _bending(loaded: LoadedScenario, geometry: Geometry, holds: tuple[Hold, ...]) -> tuple[Bending, str]:
+    obstacle = _needs_frames(loaded, geometry, holds)
+    for index, rod in loaded.scenario.rods.items():
+        if rod.bending == "framed":
+            return Bending.FRAMED, f"asked for by rod '{rod.name}'"
+        if rod.bending == "isotropic" and obstacle:
+            raise loaded.error(
+                ("geometry", index, "bending"), f"isotropic bending is not exact here: {obstacle}"
+            )
+    if obstacle:
+        return Bending.FRAMED, obstacle
+    return Bending.ISOTROPIC, (
+        "equal bending stiffness, straight natural shape, open chains, nothing turns or holds a rod "
+        "about its axis at more than one end: no twist can arise"
+    )
+
+
+def _shells(geometry: Geometry) -> Iterator[Decision]:
+    for shell in geometry.shells:
+        count = len(geometry.triangles_of(shell.name))
+        bending = bending_of(shell)
+        if bending.free_normals:
+            what = f"mid-edge normals on shell '{shell.name}': one angle per edge of {count} triangles"
+        else:
+            what = f"no mid-edge normals on shell '{shell.name}': no DOFs beside its nodes"
+        yield Decision(what, f"bending: {shell.bending}, {bending.plate}")
+
+
+def _needs_frames(loaded: LoadedScenario, geometry: Geometry, holds: tuple[Hold, ...]) -> str:
+    """Why twist matters, or nothing."""
+    scenario = loaded.scenario
+    for rod, properties in zip(geometry.rods, geometry.properties, strict=True):
+        if not properties.isotropic:
+            return f"the section of rod '{rod.name}' is stiffer in one direction"
+        natural = rod.natural
+        if any(value is not None for value in (natural.curvature_1, natural.curvature_2, natural.twist)):
+            return f"rod '{rod.name}' has natural curvature or twist"
+    triples, _, _ = rod_stencils(len(geometry.nodes), geometry.edges)
+    if len(triples) and np.abs(curvature_binormal(geometry.nodes, triples)).max() > _STRAIGHT:
+        return "a rest shape is curved"
+    if any(chain.kind is not ChainKind.OPEN for chain in chains(len(geometry.nodes), geometry.edges)):
+        return "a rod is closed or branches"
+    if any(force.turns_rods for force in scenario.forces):
+        return "a moment acts"
+    if _follows_a_rod(loaded, geometry):
+        return "a load turns with a rod"
+    if any(isinstance(motion, Twist) for motion in scenario.motions) or any(twists(hold) for hold in holds):
+        return "a motion turns an edge about the rod"
+    if any(isinstance(a, CurvatureActuation | TwistActuation) for a in scenario.actuation):
+        return "actuation acts on material curvature or twist"
+    if geometry.shell_welds:
+        return "a rod is welded to a shell"
+    if _most_held(geometry, holds) > 1:
+        return "a rod is held in rotation at more than one place"
+    if "director" in scenario.output.fields or "twist" in scenario.output.fields:
+        return "material directors or twist are written"
+    probes = [*scenario.output.probes.values(), *(e.probe for e in scenario.expect.values())]
+    if any(isinstance(probe, TwistProbe) for probe in probes):
+        return "a probe measures twist"
+    return ""
+
+
+def _follows_a_rod(loaded: LoadedScenario, geometry: Geometry) -> bool:
+    """Whether a load turns with an edge of a rod."""
+    for index, force in enumerate(loaded.scenario.forces):
+        if isinstance(force, Distributed) and force.follower:
+            return True
+        if isinstance(force, Point) and force.follower:
+            nodes = select_nodes(loaded, geometry, force.where, ("forces", index, "where"))
+            if np.isin(nodes, geometry.edges).any():
+                return True
+    return False
+
+
+def _most_held(geometry: Geometry, holds: tuple[Hold, ...]) -> int:
+    """Largest number of places at which one chain is held in rotation: runs of held edges, walls."""
+    held = np.zeros(len(geometry.edges), dtype=bool)
+    walls = np.zeros(len(geometry.nodes), dtype=bool)
+    for hold in holds:
+        held[hold.edges] = True
+        walls[hold.walls] = True
+    most = 0
+    for chain in chains(len(geometry.nodes), geometry.edges):
+        along = np.concatenate(([False, walls[chain.nodes[0]]], held[chain.edges], [walls[chain.nodes[-1]]]))
+        most = max(most, int((along[1:] & ~along[:-1]).sum()))
+    return most
+
+
+def _kernels(loaded: LoadedScenario, geometry: Geometry) -> tuple[str, str]:
+    numerics = loaded.scenario.numerics
+    present = find_spec("numba") is not None
+    if numerics.kernels == "numba":
+        if not present:
+            raise loaded.error(("numerics", "kernels"), "numba is not installed; pip install 'dismech[fast]'")
+        return "numba", "asked for"
+    if numerics.kernels == "numpy":
+        return "numpy", "asked for"
+    if not present:
+        return "numpy", "numba is not installed (extra 'fast')"
+    steps = (
+        numerics.integrator.load_steps
+        if isinstance(numerics.integrator, Static)
+        else (numerics.t_end or 0.0) / (numerics.dt or 1.0)
+    )
+    work = 4.0 * steps * (len(geometry.edges) + _TRIANGLE * len(geometry.triangles) + 150)
+    if work < _COMPILE_WORTH:
+        return "numpy", "the run is shorter than compiling the kernels"
+    return "numba", "the run is long enough to repay compiling"
+
+
+def free_joints(geometry: Geometry, triples: IntArray, rods: IntArray) -> BoolArray:
+    """Mask of the joints through which bending and twist pass: hinges left out, shape (J,).
+
+    Args:
+        geometry: The rods.
+        triples: Nodes of the joints, shape (J, 3).
+        rods: Rods of their two edges, shape (J, 2).
+    """
+    centre = triples[:, 1]
+    released = np.isin(centre, geometry.hinges)
+    same = rods[:, 0] == rods[:, 1]
+    released |= np.isin(centre, geometry.rod_hinges) & ~same
+    node, rod = geometry.parted.T
+    released |= np.isin(centre * len(geometry.rods) + rods[:, 0], node * len(geometry.rods) + rod) & same
+    kept: BoolArray = ~released
+    return kept

@@ -1,0 +1,1 @@
+"""One source of every formula, two speeds: NumPy batches and compiled loops."""

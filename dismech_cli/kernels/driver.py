@@ -1,0 +1,56 @@
+"""What runs kernels: plain NumPy always, compiled Numba loops when wanted and present."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Protocol
+
+from ..arrays import FloatArray, IntArray
+from .linearization import Linearization, Pattern
+from .shape import DragKernel, Kernel
+
+
+class StencilLoop(Protocol):
+    """All stencils of one energy, gathered, evaluated and scattered."""
+
+    def energy(self, q: FloatArray, auxiliary: FloatArray, parameters: FloatArray) -> FloatArray:
+        """Shares of the energy of each stencil [J], shape (shares, S)."""
+
+    def add_residual(
+        self, q: FloatArray, auxiliary: FloatArray, parameters: FloatArray, r: FloatArray
+    ) -> None:
+        """Add dE/dq to ``r``, shape (n,)."""
+
+    def add_linearization(
+        self, q: FloatArray, auxiliary: FloatArray, parameters: FloatArray, into: Linearization
+    ) -> None:
+        """Add dE/dq and d2E/dq2."""
+
+
+class DragLoop(Protocol):
+    """All stencils of one velocity-dependent force."""
+
+    def add_residual(self, q: FloatArray, v: FloatArray, parameters: FloatArray, r: FloatArray) -> None:
+        """Add -f to ``r``, shape (n,)."""
+
+    def add_linearization(
+        self, q: FloatArray, v: FloatArray, parameters: FloatArray, into: Linearization
+    ) -> None:
+        """Add -f, -df/dq and -df/dv."""
+
+
+class Driver(Protocol):
+    """Turns kernels into loops."""
+
+    @property
+    def name(self) -> str:
+        """``numpy`` or ``numba``."""
+
+    def stencil(self, kernel: Kernel, dofs: IntArray, auxiliaries: IntArray, pattern: Pattern) -> StencilLoop:
+        """Loop of an energy kernel over stencils (S, D) with auxiliary inputs (S, A)."""
+
+    def drag(self, kernel: DragKernel, dofs: IntArray, pattern: Pattern) -> DragLoop:
+        """Loop of a drag kernel over stencils (S, D)."""
+
+    def map(self, function: Callable[[Any], Any], inputs: FloatArray, outputs: int) -> FloatArray:
+        """Apply a kernel column by column: (inputs, k) to (outputs, k)."""

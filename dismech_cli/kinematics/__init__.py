@@ -1,0 +1,1 @@
+"""Positions, angles and the frames that are carried along with them."""

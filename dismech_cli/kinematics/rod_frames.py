@@ -1,0 +1,197 @@
+"""Reference and material frames of rod edges, transported in time (Bergou et al. 2010).
+
+Frames are stored at the start of a step and transported to each trial point from there, never
+chained over Newton iterates: a rejected step leaves no trace.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, ClassVar, Protocol
+
+import numpy as np
+
+from ..arrays import FloatArray, IntArray
+from ..geometry.kernel import kernel
+from ..geometry.rotation import orthonormal_to, parallel_transport, rotate_about, signed_angle
+from ..geometry.vectors import combine, cross, norm, scale
+from ..kernels.driver import Driver
+
+
+def _no_vectors() -> FloatArray:
+    return np.empty((3, 0))
+
+
+def _no_numbers() -> FloatArray:
+    return np.empty(0)
+
+
+@dataclass(frozen=True, slots=True)
+class FrameState:
+    """Frames at an accepted state.
+
+    Attributes:
+        tangent: Unit tangents, shape (3, E).
+        director: First reference directors a1, shape (3, E).
+        reference_twist: Unwrapped reference twist of each joint [rad], shape (J,).
+        edge_tangent: Unit tangents of shell edges with a free normal, shape (3, B).
+        edge_normal: Their mid-edge normals, shape (3, B).
+        edge_angle: Their angles xi [rad], shape (B,).
+    """
+
+    tangent: FloatArray
+    director: FloatArray
+    reference_twist: FloatArray
+    edge_tangent: FloatArray = field(default_factory=_no_vectors)
+    edge_normal: FloatArray = field(default_factory=_no_vectors)
+    edge_angle: FloatArray = field(default_factory=_no_numbers)
+
+
+@dataclass(frozen=True, slots=True)
+class TrialFrames:
+    """Frames at a trial point.
+
+    Attributes:
+        state: What an accepted step will store.
+        auxiliary: Inputs of kernels, shape (size,); the frames that made it know what is where.
+    """
+
+    state: FrameState
+    auxiliary: FloatArray
+
+
+class Frames(Protocol):
+    """Kinematics of frames."""
+
+    @property
+    def size(self) -> int:
+        """Length of the auxiliary array."""
+
+    def rest(self, q: FloatArray) -> FrameState:
+        """Frames of the rest shape."""
+
+    def transport(self, stored: FrameState, q: FloatArray) -> TrialFrames:
+        """Frames at ``q``, parallel-transported from the stored ones."""
+
+
+_NOTHING = FrameState(np.empty((3, 0)), np.empty((3, 0)), np.empty(0))
+_NO_FRAMES = TrialFrames(_NOTHING, np.empty(0))
+
+
+class NoFrames:
+    """For scenes without framed rods: nothing to carry, nothing to transport."""
+
+    size: ClassVar[int] = 0
+
+    def rest(self, q: FloatArray) -> FrameState:
+        """Return the empty frames."""
+        return _NOTHING
+
+    def transport(self, stored: FrameState, q: FloatArray) -> TrialFrames:
+        """Return the empty frames."""
+        return _NO_FRAMES
+
+
+@kernel
+def edge_frame(x: Any) -> Any:
+    """Tangent, transported a1, material m1 and m2 of one edge.
+
+    Input: edge vector (3), stored tangent (3), stored a1 (3), theta.
+    """
+    e, t0, d0 = x[0:3], x[3:6], x[6:9]
+    t = scale(1.0 / norm(e), e)
+    a1 = orthonormal_to(parallel_transport(d0, t0, t), t)
+    a2 = cross(t, a1)
+    c, s = np.cos(x[9]), np.sin(x[9])
+    m1, m2 = combine(c, a1, s, a2), combine(-s, a1, c, a2)
+    return (
+        m1[0], m1[1], m1[2], m2[0], m2[1], m2[2],
+        t[0], t[1], t[2], a1[0], a1[1], a1[2],
+    )  # fmt: skip
+
+
+@kernel
+def joint_reference_twist(x: Any) -> Any:
+    """Reference twist of one joint, unwrapped against the stored value.
+
+    Input: signed tangents of both edges (3 + 3), their a1 (3 + 3), stored reference twist. The
+    transported director is first turned back by the stored twist, so only the change since then
+    passes through atan2 and no 2 pi jump can occur while it stays below pi.
+    """
+    te, tf, ae, af, stored = x[0:3], x[3:6], x[6:9], x[9:12], x[12]
+    u = rotate_about(parallel_transport(ae, te, tf), tf, stored)
+    return (stored + signed_angle(u, af, tf),)
+
+
+@dataclass(frozen=True, slots=True)
+class RodFrames:
+    """Frames of the edges that carry an angle.
+
+    The auxiliary array holds m1 and m2 of all edges by component, then the reference twists.
+
+    Attributes:
+        tails: Position DOFs of the first node of each edge, shape (3, E).
+        heads: Position DOFs of the second node, shape (3, E).
+        angles: Angle DOFs, shape (E,).
+        joint_edges: Edge pairs of the joints, shape (J, 2).
+        joint_signs: -1 where a joint walks its edge backwards, shape (J, 2).
+        directors: First directors at rest, made unit and normal to the edges before use, shape (3, E).
+        driver: Runs the two kernels.
+    """
+
+    tails: IntArray
+    heads: IntArray
+    angles: IntArray
+    joint_edges: IntArray
+    joint_signs: FloatArray
+    directors: FloatArray
+    driver: Driver
+
+    @property
+    def size(self) -> int:
+        """Length of the auxiliary array."""
+        return 6 * len(self.angles) + len(self.joint_edges)
+
+    def director_places(self, edges: IntArray) -> IntArray:
+        """Places of m1 (3) and m2 (3) of each edge in the auxiliary array, shape (..., 6)."""
+        return edges[..., None] + np.arange(6) * len(self.angles)
+
+    def twist_places(self, joints: IntArray) -> IntArray:
+        """Places of the reference twist of each joint in the auxiliary array, shape (...)."""
+        return 6 * len(self.angles) + joints
+
+    def rest(self, q: FloatArray) -> FrameState:
+        """Frames of the rest shape: the directors made normal, reference twist against zero."""
+        e = q[self.heads] - q[self.tails]
+        tangent = e / np.sqrt((e * e).sum(axis=0))
+        director = orthonormal_to(self.directors, tangent)
+        return FrameState(
+            tangent, director, self._reference_twist(tangent, director, np.zeros(len(self.joint_edges)))
+        )
+
+    def transport(self, stored: FrameState, q: FloatArray) -> TrialFrames:
+        """Frames at ``q``, parallel-transported from the stored ones."""
+        inputs = np.empty((10, len(self.angles)))
+        # mode="clip" lets NumPy gather without a second buffer; all indices are valid
+        np.take(q, self.heads, out=inputs[0:3], mode="clip")
+        inputs[0:3] -= q.take(self.tails, mode="clip")
+        inputs[3:6] = stored.tangent
+        inputs[6:9] = stored.director
+        np.take(q, self.angles, out=inputs[9], mode="clip")
+        out = self.driver.map(edge_frame, inputs, 12)
+        tangent, director = out[6:9], out[9:12]
+        beta = self._reference_twist(tangent, director, stored.reference_twist)
+        return TrialFrames(FrameState(tangent, director, beta), np.concatenate((out[0:6].reshape(-1), beta)))
+
+    def _reference_twist(self, tangent: FloatArray, director: FloatArray, stored: FloatArray) -> FloatArray:
+        e, f = self.joint_edges[:, 0], self.joint_edges[:, 1]
+        inputs = np.empty((13, len(e)))
+        np.take(tangent, e, axis=1, out=inputs[0:3], mode="clip")
+        np.take(tangent, f, axis=1, out=inputs[3:6], mode="clip")
+        np.take(director, e, axis=1, out=inputs[6:9], mode="clip")
+        np.take(director, f, axis=1, out=inputs[9:12], mode="clip")
+        inputs[0:3] *= self.joint_signs[:, 0]
+        inputs[3:6] *= self.joint_signs[:, 1]
+        inputs[12] = stored
+        beta: FloatArray = self.driver.map(joint_reference_twist, inputs, 1)[0]
+        return beta

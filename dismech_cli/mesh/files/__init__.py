@@ -1,0 +1,1 @@
+"""Mesh files to meshes, each format behind one door."""

@@ -1,0 +1,1 @@
+"""What touches what: pure functions of index arrays."""

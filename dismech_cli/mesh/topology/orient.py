@@ -1,0 +1,80 @@
+"""Consistent winding of triangles."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...arrays import BoolArray, IntArray
+from ...errors import MeshError
+
+
+def half_edges(triangles: IntArray) -> IntArray:
+    """Return the directed local edges of all triangles.
+
+    Edge j of triangle (v1, v2, v3) is opposite vertex j: v2 -> v3, v3 -> v1, v1 -> v2.
+
+    Args:
+        triangles: Shape (T, 3).
+
+    Returns:
+        Shape (3 T, 2); row 3 f + j is edge j of triangle f.
+    """
+    return triangles[:, [1, 2, 2, 0, 0, 1]].reshape(-1, 2)
+
+
+def reversed_triangles(triangles: IntArray, where: str) -> BoolArray:
+    """Tell which triangles to reverse so that neighbours wind the same way.
+
+    Every triangle appears twice in a graph, as it is and reversed; two appearances are joined when
+    they agree across a shared edge. A connected patch then falls into two sheets, of which the one
+    that reverses fewer triangles is taken; a patch that stays in one piece is not orientable.
+
+    Args:
+        triangles: Manifold triangles, shape (T, 3).
+        where: Names the mesh in messages.
+
+    Returns:
+        True where a triangle has to be reversed, shape (T,).
+
+    Raises:
+        MeshError: If a patch is not orientable (a Moebius strip).
+    """
+    count = len(triangles)
+    directed = half_edges(triangles)
+    ordered = np.sort(directed, axis=1)
+    order = np.lexsort((ordered[:, 1], ordered[:, 0]))
+    shared = (ordered[order[1:]] == ordered[order[:-1]]).all(axis=1)
+    one, two = order[:-1][shared], order[1:][shared]
+    clash = (directed[one] == directed[two]).all(axis=1)
+    if not clash.any():
+        return np.zeros(count, dtype=np.bool_)
+
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    f, g = one // 3, two // 3
+    rows = np.concatenate([f, f + count])
+    cols = np.concatenate([np.where(clash, g + count, g), np.where(clash, g, g + count)])
+    graph = coo_array((np.ones(len(rows)), (rows, cols)), shape=(2 * count, 2 * count))
+    _, label = connected_components(graph, directed=False)
+    as_is, turned = label[:count].astype(np.int64), label[count:].astype(np.int64)
+    if (as_is == turned).any():
+        first = int(np.argmax(as_is == turned))
+        raise MeshError(
+            f"{where}: the surface around triangle {first + 1} has only one side (a Moebius strip); "
+            "shells need an orientable surface"
+        )
+    kept = np.bincount(as_is, minlength=2 * count)
+    # Equal counts: keep the sheet that holds the lowest-numbered triangle as it is.
+    rank = np.full(2 * count, 2 * count, dtype=np.int64)
+    np.minimum.at(rank, as_is, np.arange(count))
+    fewer = kept[as_is] < kept[turned]
+    tie = (kept[as_is] == kept[turned]) & (rank[as_is] > rank[turned])
+    return np.asarray(fewer | tie, dtype=np.bool_)
+
+
+def reverse(triangles: IntArray, which: BoolArray) -> IntArray:
+    """Return a copy with the chosen triangles wound the other way, first node kept."""
+    turned = triangles.copy()
+    turned[which] = triangles[which][:, [0, 2, 1]]
+    return turned

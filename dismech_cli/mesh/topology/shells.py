@@ -1,0 +1,99 @@
+"""Edges and hinges of shells. Pure functions of index arrays."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from ...arrays import IntArray
+from ...errors import MeshError
+from .orient import half_edges
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ShellTopology:
+    """Edges and hinges of a triangulated surface; B shell edges, H hinges.
+
+    Attributes:
+        edges: Directed shell edges in discovery order, shape (B, 2).
+        face_edges: Shell edge opposite each corner of each triangle, shape (T, 3).
+        face_signs: +1 where the triangle runs along its edge, -1 against it, shape (T, 3).
+        hinges: Nodes (x0, x1, x2, x3), shape (H, 4): shared edge x0 -> x1 as the later triangle
+            runs, x2 opposite it in the earlier triangle, x3 in the later one.
+        hinge_edges: Shell edge of each hinge, shape (H,).
+        hinge_faces: Earlier and later triangle of each hinge, shape (H, 2).
+        edge_faces: Triangles at each shell edge, -1 where there is no second, shape (B, 2).
+    """
+
+    edges: IntArray
+    face_edges: IntArray
+    face_signs: IntArray
+    hinges: IntArray
+    hinge_edges: IntArray
+    hinge_faces: IntArray
+    edge_faces: IntArray
+
+
+def rims(triangles: IntArray) -> int:
+    """Number of closed lines of sides that have one triangle only."""
+    topology = shell_edges(triangles)
+    sides = topology.edges[topology.edge_faces[:, 1] < 0]
+    if not len(sides):
+        return 0
+    _, ends = np.unique(sides, return_inverse=True)
+    ends = ends.reshape(-1, 2)
+    count, (first, second) = int(ends.max()) + 1, ends.T
+    graph = coo_array((np.ones(len(ends)), (first, second)), shape=(count, count))
+    return int(connected_components(graph, directed=False)[0])
+
+
+def shell_edges(triangles: IntArray) -> ShellTopology:
+    """Find the edges and hinges of a surface.
+
+    Triangles are visited in order, and in each the edges opposite its corners 1, 2, 3. An edge
+    keeps the direction in which it is first met; the second meeting makes a hinge.
+
+    Args:
+        triangles: Shape (T, 3).
+
+    Raises:
+        MeshError: If more than two triangles share an edge.
+    """
+    directed = half_edges(triangles)
+    _, first, inverse, counts = np.unique(
+        np.sort(directed, axis=1), axis=0, return_index=True, return_inverse=True, return_counts=True
+    )
+    if len(counts) and counts.max() > 2:
+        a, b = directed[first[np.argmax(counts)]] + 1
+        raise MeshError(
+            f"{counts.max()} triangles share the edge between nodes {a} and {b}; expected at most 2"
+        )
+    # np.unique numbers edges by their nodes; discovery order numbers them by first appearance.
+    discovery = np.empty(len(first), dtype=np.int64)
+    discovery[np.argsort(first)] = np.arange(len(first))
+    edge = discovery[inverse.ravel()]
+    found = np.sort(first)
+    edges = directed[found]
+
+    is_first = np.zeros(len(directed), dtype=np.bool_)
+    is_first[found] = True
+    second = np.flatnonzero(~is_first)
+    corners = triangles.ravel()
+    hinge_edges = edge[second]
+    earlier = found[hinge_edges]
+    edge_faces = np.full((len(edges), 2), -1, dtype=np.int64)
+    edge_faces[:, 0] = found // 3
+    edge_faces[hinge_edges, 1] = second // 3
+    return ShellTopology(
+        edges=edges,
+        face_edges=edge.reshape(-1, 3),
+        face_signs=np.where(directed[:, 0] == edges[edge, 0], 1, -1).reshape(-1, 3),
+        # Half-edge 3 f + j is opposite corner j of triangle f, so both share a position.
+        hinges=np.column_stack([directed[second], corners[earlier], corners[second]]),
+        hinge_edges=hinge_edges,
+        hinge_faces=np.stack([earlier // 3, second // 3], axis=1),
+        edge_faces=edge_faces,
+    )

@@ -1,0 +1,1 @@
+"""The run file: one HDF5 file that ParaView opens directly and that holds the exact state."""

@@ -1,0 +1,121 @@
+"""Single numbers read from a snapshot."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from ...arrays import FloatArray, IntArray
+from .snapshot import Snapshot
+
+
+class Probe(Protocol):
+    """A number with a unit."""
+
+    @property
+    def unit(self) -> str:
+        """SI unit."""
+
+    def __call__(self, s: Snapshot) -> float:
+        """Read it."""
+
+
+def _component(vector: FloatArray, axis: int | None) -> float:
+    """A component, or the magnitude for None."""
+    return float(np.linalg.norm(vector)) if axis is None else float(vector[axis])
+
+
+@dataclass(frozen=True, slots=True)
+class Position:
+    """Mean position of nodes, less a reference: a displacement if that is the rest position.
+
+    Attributes:
+        nodes: Nodes, shape (K,).
+        reference: Subtracted from the mean [m], shape (3,).
+        axis: Component, or None for the magnitude.
+    """
+
+    nodes: IntArray
+    reference: FloatArray
+    axis: int | None
+    unit: str = "m"
+
+    def __call__(self, s: Snapshot) -> float:
+        """Read it."""
+        return _component(s.positions[self.nodes].mean(axis=0) - self.reference, self.axis)
+
+
+@dataclass(frozen=True, slots=True)
+class Velocity:
+    """Mean velocity of nodes."""
+
+    nodes: IntArray
+    axis: int | None
+    unit: str = "m/s"
+
+    def __call__(self, s: Snapshot) -> float:
+        """Read it."""
+        return _component(s.velocities[self.nodes].mean(axis=0), self.axis)
+
+
+@dataclass(frozen=True, slots=True)
+class Distance:
+    """Distance between the means of two sets of nodes."""
+
+    first: IntArray
+    second: IntArray
+    unit: str = "m"
+
+    def __call__(self, s: Snapshot) -> float:
+        """Read it."""
+        return _component(s.positions[self.first].mean(axis=0) - s.positions[self.second].mean(axis=0), None)
+
+
+@dataclass(frozen=True, slots=True)
+class Energy:
+    """An entry of the energy account."""
+
+    name: str
+    unit: str = "J"
+
+    def __call__(self, s: Snapshot) -> float:
+        """Read it."""
+        return s.energies[self.name]
+
+
+@dataclass(frozen=True, slots=True)
+class Reaction:
+    """Sum of the forces that hold nodes, walls of their clamps included."""
+
+    nodes: IntArray
+    axis: int | None
+    unit: str = "N"
+
+    def __call__(self, s: Snapshot) -> float:
+        """Read it."""
+        return _component(s.forces[self.nodes].sum(axis=0), self.axis)
+
+
+@dataclass(frozen=True, slots=True)
+class TwistAngle:
+    """Mean angle of edges, from rest."""
+
+    dofs: IntArray
+    unit: str = "rad"
+
+    def __call__(self, s: Snapshot) -> float:
+        """Read it."""
+        return float(s.state.q[self.dofs].mean())
+
+
+@dataclass(frozen=True, slots=True)
+class NegativeEigenvalues:
+    """Negative eigenvalues of the stiffness: 0 for a stable equilibrium."""
+
+    unit: str = "1"
+
+    def __call__(self, s: Snapshot) -> float:
+        """Read it."""
+        return float(s.negative_eigenvalues)

@@ -1,0 +1,71 @@
+"""What observers see: one accepted state, with derived quantities computed when first asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+from ...arrays import FloatArray
+from ...kinematics.dofs import DofMap
+from ...kinematics.rod_frames import TrialFrames
+from ...model.model import Model
+from ...model.state import State
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """One accepted state.
+
+    Attributes:
+        model: The system.
+        state: The state.
+        residual: M a + r of the last solve, shape (n,): on held DOFs the force that holds them.
+        measure_energies: Gives the energy account [J] by name.
+        count_negative: Gives the number of negative eigenvalues of the stiffness.
+        stencil_energies: Gives the energy of each stencil of a named energy [J], shape (S,).
+        natural: Gives the natural strains of a named energy at the time of the state, shape (naturals, S).
+    """
+
+    model: Model
+    state: State
+    residual: FloatArray
+    measure_energies: Callable[[], Mapping[str, float]]
+    count_negative: Callable[[], int]
+    stencil_energies: Callable[[str], FloatArray]
+    natural: Callable[[str], FloatArray]
+
+    @property
+    def dofs(self) -> DofMap:
+        """Numbering."""
+        return self.model.dofs
+
+    @cached_property
+    def positions(self) -> FloatArray:
+        """Space positions of all nodes [m], walls included, shape (n_nodes, 3)."""
+        return self.dofs.space_positions(self.state.q)
+
+    @cached_property
+    def velocities(self) -> FloatArray:
+        """Space velocities [m/s], shape (n_nodes, 3)."""
+        return self.dofs.embed(self.dofs.positions(self.state.v))
+
+    @cached_property
+    def forces(self) -> FloatArray:
+        """Residual on the nodes [N], shape (n_nodes, 3)."""
+        return self.dofs.embed(self.dofs.positions(self.residual))
+
+    @cached_property
+    def frames(self) -> TrialFrames:
+        """Material frames at the state."""
+        return self.model.frames.transport(self.state.frames, self.state.q)
+
+    @cached_property
+    def energies(self) -> Mapping[str, float]:
+        """Energy account [J] by name."""
+        return self.measure_energies()
+
+    @cached_property
+    def negative_eigenvalues(self) -> int:
+        """Negative eigenvalues of the stiffness matrix."""
+        return self.count_negative()

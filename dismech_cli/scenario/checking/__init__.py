@@ -1,0 +1,1 @@
+"""From a tree to a valid scenario, every fault at its place."""

@@ -1,0 +1,1 @@
+"""What a user may say: one file per part of a scenario."""

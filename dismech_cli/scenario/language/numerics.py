@@ -1,0 +1,103 @@
+"""How the equations are stepped and solved."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, TypeAlias
+
+from pydantic import Field
+
+from ..values.quantity import PositiveTime, Quantity
+from ..values.spec import Spec
+
+
+class Static(Spec):
+    """Equilibria under loads that grow over a pseudo-time from 0 to 1."""
+
+    type: Literal["static"] = Field(description="Kind of integrator.")
+    load_steps: Annotated[int, Field(ge=1, le=1_000_000)] = Field(default=10, description="Number of steps.")
+
+
+class ImplicitEuler(Spec):
+    """First order, strongly damping."""
+
+    type: Literal["implicit_euler"] = Field(description="Kind of integrator.")
+
+
+class ImplicitMidpoint(Spec):
+    """Second order, without numerical damping."""
+
+    type: Literal["implicit_midpoint"] = Field(description="Kind of integrator.")
+
+
+class Newmark(Spec):
+    """The Newmark family; the defaults are the average acceleration method of second order."""
+
+    type: Literal["newmark"] = Field(description="Kind of integrator.")
+    beta: Annotated[float, Quantity("ratio", gt=0, le=0.5)] = Field(default=0.25, description="Weight beta.")
+    gamma: Annotated[float, Quantity("ratio", ge=0.5, le=1)] = Field(default=0.5, description="Weight gamma.")
+
+
+class GeneralizedAlpha(Spec):
+    """Second order, with damping of fast modes of your choice."""
+
+    type: Literal["generalized_alpha"] = Field(description="Kind of integrator.")
+    spectral_radius: Annotated[float, Quantity("ratio", ge=0, le=1)] = Field(
+        default=0.8, description="At infinite frequency: 1 damps nothing, 0 everything fast."
+    )
+
+
+class TrBdf2(Spec):
+    """Second order in two stages, damping fast modes completely."""
+
+    type: Literal["tr_bdf2"] = Field(description="Kind of integrator.")
+
+
+Integrator: TypeAlias = Annotated[
+    Static | ImplicitEuler | ImplicitMidpoint | Newmark | GeneralizedAlpha | TrBdf2,
+    Field(discriminator="type"),
+]
+
+
+class Newton(Spec):
+    """The nonlinear solver."""
+
+    tolerance: Annotated[float, Quantity("ratio", gt=0, lt=1)] = Field(
+        default=1e-8, description="Relative size of the residual at which it stops."
+    )
+    max_iterations: Annotated[int, Field(ge=1, le=10_000)] = Field(
+        default=100,
+        description="Factorisations before a step counts as failed. At most 20 iterations take full steps; "
+        "what is left goes to a line search down the energy from the start of the step.",
+    )
+    projection: Literal["none", "indefinite"] = Field(
+        default="none",
+        description="What Newton does where the tangent has negative eigenvalues: `none` steps with it and "
+        "may settle on an unstable balance; `indefinite` first clamps those of each stencil, so that statics "
+        "go past buckling to a stable shape. Worth it there; elsewhere it changes nothing.",
+    )
+
+
+class Step(Spec):
+    """What happens when a step fails."""
+
+    max_cuts: Annotated[int, Field(ge=0, le=60)] = Field(
+        default=10, description="How often dt may be halved before giving up."
+    )
+
+
+class Numerics(Spec):
+    """How the equations are stepped and solved."""
+
+    integrator: Integrator = Field(
+        default=GeneralizedAlpha(type="generalized_alpha"), description="Time integrator."
+    )
+    dt: PositiveTime | None = Field(default=None, description="Time step; required unless static.")
+    t_end: PositiveTime | None = Field(default=None, description="End of the run; required unless static.")
+    newton: Newton = Field(default=Newton(), description="Nonlinear solver.")
+    step: Step = Field(default=Step(), description="Step control.")
+    linear_solver: Literal["auto", "banded", "pardiso", "superlu", "dense"] = Field(
+        default="auto", description="Linear solver; `auto` takes the fastest for the model."
+    )
+    kernels: Literal["auto", "numpy", "numba"] = Field(
+        default="auto", description="How the kernels run; `auto` takes numba where it is installed."
+    )

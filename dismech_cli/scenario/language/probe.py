@@ -1,0 +1,113 @@
+"""Single numbers read from the running model; a selection of several nodes is averaged."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, TypeAlias
+
+from pydantic import Field, Tag
+
+from ..values.quantity import Name
+from ..values.selection import Selection, SelectionPair
+from ..values.spec import Spec, tag, told_by_key
+
+Component: TypeAlias = Literal["x", "y", "z", "magnitude"]
+
+
+class DisplacementProbe(Spec):
+    """Displacement from rest."""
+
+    displacement: Selection = Field(description="Nodes.")
+    component: Component = Field(description="Component, or magnitude.")
+
+
+class PositionProbe(Spec):
+    """Position."""
+
+    position: Selection = Field(description="Nodes.")
+    component: Component = Field(description="Component, or magnitude.")
+
+
+class VelocityProbe(Spec):
+    """Velocity."""
+
+    velocity: Selection = Field(description="Nodes.")
+    component: Component = Field(description="Component, or magnitude.")
+
+
+class DistanceProbe(Spec):
+    """Distance of two places."""
+
+    distance: SelectionPair = Field(description="The two places.")
+
+
+class MeanPositionProbe(Spec):
+    """Mean position of the nodes of a body."""
+
+    mean_position: Name = Field(description="Name of the body.")
+    component: Component = Field(description="Component, or magnitude.")
+
+
+class EnergyProbe(Spec):
+    """An energy; `error` is the drift of the energy balance."""
+
+    energy: Literal["kinetic", "elastic", "gravitational", "total", "error"] = Field(description="Which one.")
+
+
+class ReactionProbe(Spec):
+    """Sum of the forces that hold the selected nodes."""
+
+    reaction: Selection = Field(description="Held nodes.")
+    component: Component = Field(description="Component, or magnitude.")
+
+
+class TwistProbe(Spec):
+    """Rotation of an edge about the rod, from rest."""
+
+    twist: Selection = Field(description="An edge: the end of a rod, or one of its edges.")
+
+
+class StabilityProbe(Spec):
+    """Number of negative eigenvalues of the stiffness: 0 for a stable equilibrium; static only."""
+
+    negative_eigenvalues: Literal[True] = Field(description="True.")
+
+
+Probe: TypeAlias = Annotated[
+    Annotated[DisplacementProbe, Tag(tag("displacement"))]
+    | Annotated[PositionProbe, Tag(tag("position"))]
+    | Annotated[VelocityProbe, Tag(tag("velocity"))]
+    | Annotated[DistanceProbe, Tag(tag("distance"))]
+    | Annotated[MeanPositionProbe, Tag(tag("mean_position"))]
+    | Annotated[EnergyProbe, Tag(tag("energy"))]
+    | Annotated[ReactionProbe, Tag(tag("reaction"))]
+    | Annotated[TwistProbe, Tag(tag("twist"))]
+    | Annotated[StabilityProbe, Tag(tag("negative_eigenvalues"))],
+    told_by_key(
+        "displacement",
+        "position",
+        "velocity",
+        "distance",
+        "mean_position",
+        "energy",
+        "reaction",
+        "twist",
+        "negative_eigenvalues",
+    ),
+]
+
+
+def quantity_of(probe: Probe) -> str:
+    """What a probe measures: a key of :data:`.units.KINDS`."""
+    match probe:
+        case VelocityProbe():
+            return "velocity"
+        case EnergyProbe():
+            return "energy"
+        case ReactionProbe():
+            return "force"
+        case TwistProbe():
+            return "angle"
+        case StabilityProbe():
+            return "ratio"
+        case DisplacementProbe() | PositionProbe() | DistanceProbe() | MeanPositionProbe():
+            return "length"

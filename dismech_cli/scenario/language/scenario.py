@@ -1,0 +1,76 @@
+"""The whole scenario."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Final, Literal, TypeAlias
+
+from annotated_types import Len
+from pydantic import Field, Strict
+
+from ..values.quantity import FileName, Name
+from ..values.spec import Spec
+from .actuation import Actuation
+from .expect import Expectation
+from .force import Force
+from .geometry import Body, Rod, Shell
+from .joint import Joint
+from .mass import PointMass
+from .material import Material
+from .motion import InitialVelocity, Motion
+from .numerics import Numerics
+from .output import Output
+
+SCHEMA_VERSION: Final = 1
+
+# A name becomes a folder: no separators, no leading dot, no trailing dot, no device names.
+SafeName: TypeAlias = Annotated[str, Field(pattern=r"^[A-Za-z0-9_]([A-Za-z0-9._-]{0,98}[A-Za-z0-9_-])?$")]
+Bodies: TypeAlias = Annotated[tuple[Body, ...], Len(1, 10_000), Strict(False)]
+
+
+class Scenario(Spec):
+    """What the user said: a scene, how to step it, what to write. All numbers are SI."""
+
+    schema_version: Literal[1] = Field(description="Version of this language.")
+    name: SafeName = Field(description="Name of the scenario and of the folder of its results.")
+    description: str = Field(default="", description="A sentence or two.")
+    include: Annotated[tuple[FileName, ...], Strict(False)] = Field(
+        default=(), description="Files merged beneath this one, relative to it; later over earlier."
+    )
+    profiles: dict[Literal["draft", "normal", "accurate"], dict[str, Any]] = Field(
+        default={}, description="Partial mappings that replace the built-in profiles, merged over the file."
+    )
+    dimension: Literal[2, 3] = Field(default=3, description="2 for a planar scene.")
+    plane: Literal["xz", "xy", "yz"] = Field(default="xz", description="Plane of a planar scene.")
+    materials: dict[Name, Material] = Field(description="Materials by name.")
+    geometry: Bodies = Field(description="Bodies.")
+    joints: Annotated[tuple[Joint, ...], Strict(False)] = Field(
+        default=(), description="Joints between bodies."
+    )
+    motions: Annotated[tuple[Motion, ...], Strict(False)] = Field(
+        default=(), description="What is held or driven."
+    )
+    masses: Annotated[tuple[PointMass, ...], Strict(False)] = Field(
+        default=(), description="Point masses on nodes, beside those of the bodies."
+    )
+    forces: Annotated[tuple[Force, ...], Strict(False)] = Field(default=(), description="Loads.")
+    actuation: Annotated[tuple[Actuation, ...], Strict(False)] = Field(
+        default=(), description="Natural strains that change in time."
+    )
+    initial_velocity: Annotated[tuple[InitialVelocity, ...], Strict(False)] = Field(
+        default=(), description="Velocities at t = 0; everything else starts at rest."
+    )
+    numerics: Numerics = Field(description="Time stepping and solvers.")
+    output: Output = Field(default=Output(), description="Results.")
+    expect: dict[Name, Expectation] = Field(
+        default={}, description="Numbers that the run must give, by name."
+    )
+
+    @property
+    def rods(self) -> dict[int, Rod]:
+        """The rods by their place in ``geometry``."""
+        return {index: body for index, body in enumerate(self.geometry) if isinstance(body, Rod)}
+
+    @property
+    def shells(self) -> dict[int, Shell]:
+        """The shells by their place in ``geometry``."""
+        return {index: body for index, body in enumerate(self.geometry) if isinstance(body, Shell)}

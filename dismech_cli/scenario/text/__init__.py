@@ -1,0 +1,1 @@
+"""Scenario files as trees that remember where each value was written."""

@@ -1,0 +1,137 @@
+"""Field types of the schema: numbers with a dimension, vectors, names and files."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Any, TypeAlias
+
+from annotated_types import Len
+from pydantic import Field, GetCoreSchemaHandler, GetJsonSchemaHandler, Strict
+from pydantic.json_schema import JsonSchemaValue
+from pydantic_core import CoreSchema, core_schema
+
+from ...units import KINDS, Kind, QuantityError, parse_quantity
+from ..text.tree import describe
+from .spec import problem
+
+
+@dataclass(frozen=True, slots=True)
+class Quantity:
+    """Marks a float field as a physical quantity: a bare number is SI, text carries a unit.
+
+    Attributes:
+        name: Key of :data:`.units.KINDS`.
+        gt: The SI value must be greater.
+        ge: The SI value must be at least this.
+        lt: The SI value must be less.
+        le: The SI value must be at most this.
+    """
+
+    name: str
+    gt: float | None = None
+    ge: float | None = None
+    lt: float | None = None
+    le: float | None = None
+
+    @property
+    def kind(self) -> Kind:
+        """Phrase, unit and dimension."""
+        return KINDS[self.name]
+
+    def read(self, value: object) -> float:
+        """The SI value of a number or a text.
+
+        Raises:
+            PydanticCustomError: if it is neither, of another dimension or out of bounds.
+        """
+        number = to_si(value, self.kind)
+        for broken, words, bound in (
+            (self.gt is not None and number <= self.gt, "greater than", self.gt),
+            (self.ge is not None and number < self.ge, "at least", self.ge),
+            (self.lt is not None and number >= self.lt, "less than", self.lt),
+            (self.le is not None and number > self.le, "at most", self.le),
+        ):
+            if broken:
+                raise problem(f"must be {words} {bound:g}, got {describe(value).strip(chr(39))}")
+        return number
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_before_validator_function(self.read, handler(source))
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        bounds = {
+            "exclusiveMinimum": self.gt,
+            "minimum": self.ge,
+            "exclusiveMaximum": self.lt,
+            "maximum": self.le,
+        }
+        number = {"type": "number"} | {key: bound for key, bound in bounds.items() if bound is not None}
+        return {"anyOf": [number, {"type": "string"}], "x-unit": self.kind.unit, "x-quantity": self.name}
+
+
+def to_si(value: object, kind: Kind) -> float:
+    """The SI value of a number or of a text with a unit.
+
+    Raises:
+        PydanticCustomError: if it is neither or of another dimension.
+    """
+    match value:
+        case bool():
+            pass
+        case int() | float():
+            return float(value)
+        case str():
+            try:
+                return parse_quantity(value, kind)
+            except QuantityError as error:
+                raise problem(str(error)) from None
+        case _:
+            pass
+    raise problem(f"expected {kind.phrase}, got {describe(value)}")
+
+
+Ratio: TypeAlias = Annotated[float, Quantity("ratio")]
+Length: TypeAlias = Annotated[float, Quantity("length")]
+PositiveLength: TypeAlias = Annotated[float, Quantity("length", gt=0)]
+Time: TypeAlias = Annotated[float, Quantity("time", ge=0)]
+PositiveTime: TypeAlias = Annotated[float, Quantity("time", gt=0)]
+Angle: TypeAlias = Annotated[float, Quantity("angle")]
+Frequency: TypeAlias = Annotated[float, Quantity("frequency", gt=0)]
+
+# Variable-length tuples with a length rule: editors understand their JSON Schema.
+Triple: TypeAlias = Annotated[tuple[Ratio, ...], Len(3, 3), Strict(False)]
+LengthTriple: TypeAlias = Annotated[tuple[Length, ...], Len(3, 3), Strict(False)]
+VelocityTriple: TypeAlias = Annotated[
+    tuple[Annotated[float, Quantity("velocity")], ...], Len(3, 3), Strict(False)
+]
+
+
+@dataclass(frozen=True, slots=True)
+class Direction:
+    """Marks a triple that must not be zero."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_after_validator_function(_nonzero, handler(source))
+
+
+def _nonzero(value: tuple[float, ...]) -> tuple[float, ...]:
+    if not any(value):
+        raise problem("a direction must not be zero")
+    return value
+
+
+DirectionTriple: TypeAlias = Annotated[Triple, Direction()]
+
+
+@dataclass(frozen=True, slots=True)
+class FileReference:
+    """Marks a text field as the name of a file, relative to the folder of the scenario."""
+
+
+FileName: TypeAlias = Annotated[str, FileReference(), Field(min_length=1, max_length=1000)]
+Name: TypeAlias = Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_-]{0,63}$")]
+Index: TypeAlias = Annotated[int, Field(ge=0)]
+NodeCount: TypeAlias = Annotated[int, Field(ge=2, le=10_000_000)]
+Column: TypeAlias = str | Index

@@ -1,0 +1,1 @@
+"""A validated scenario seen otherwise: walked, dumped, traced, documented."""

@@ -1,0 +1,46 @@
+"""Who set what: the origin of every value of a scenario."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from ..language.scenario import Scenario
+from ..text.tree import KeyPath, Node, Scalar, format_path
+from .walk import leaves
+
+
+@dataclass(frozen=True, slots=True)
+class Provenance:
+    """A resolved value.
+
+    Attributes:
+        value: In SI units.
+        unit: SI unit; empty if the value is no quantity.
+        origin: ``scene.yaml:12:3``, ``base.yaml:3:1 (include)``, ``--set 'a=b'``, a profile, ``default``.
+    """
+
+    value: Any
+    unit: str
+    origin: str
+
+
+def trace(scenario: Scenario, root: Node) -> Mapping[str, Provenance]:
+    """The origin of each leaf of ``scenario``, by key path, from the tree that it was read from."""
+    return {
+        format_path(leaf.path): Provenance(leaf.value, leaf.unit, _origin(root, leaf.path))
+        for leaf in leaves(scenario)
+        if leaf.path[0] not in ("include", "profiles")
+    }
+
+
+def _origin(root: Node, path: KeyPath) -> str:
+    node = root
+    for part in path:
+        child = node.child(part)
+        if child is None:
+            # Text may be short for a mapping, as 'beam.start' is for {group: beam.start}.
+            return node.origin if isinstance(node.value, Scalar) and node.value is not None else "default"
+        node = child
+    return node.origin if node.value is not None else "default"

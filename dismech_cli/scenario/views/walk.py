@@ -1,0 +1,114 @@
+"""Walks over a validated scenario by key path."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any, get_args
+
+from pydantic import BaseModel
+from pydantic.fields import FieldInfo
+
+from ...units import KINDS
+from ..language.expect import Expectation, measured
+from ..text.tree import KeyPath
+from ..values.law import LawOf, TimeAndValue
+from ..values.quantity import FileReference, Quantity
+
+
+def walk(value: Any, path: KeyPath = ()) -> Iterator[tuple[KeyPath, Any]]:
+    """Every value below ``value`` and itself, depth first, with its key path."""
+    yield path, value
+    match value:
+        case BaseModel():
+            for name, field in type(value).model_fields.items():
+                yield from walk(getattr(value, name), (*path, field.alias or name))
+        case Mapping():
+            for key, child in value.items():
+                yield from walk(child, (*path, key))
+        case tuple():
+            for i, child in enumerate(value):
+                yield from walk(child, (*path, i))
+        case _:
+            pass
+
+
+@dataclass(frozen=True, slots=True)
+class Leaf:
+    """A number, text, flag or empty collection of the scenario.
+
+    Attributes:
+        path: Key path.
+        value: In SI units.
+        unit: SI unit; empty if the value is no quantity.
+        file: True if the value names a file.
+    """
+
+    path: KeyPath
+    value: Any
+    unit: str
+    file: bool
+
+
+def leaves(value: Any, path: KeyPath = (), marks: tuple[Any, ...] = ()) -> Iterator[Leaf]:
+    """The leaves of a scenario in the order of the schema; keys that are not set are left out.
+
+    Args:
+        value: A scenario, or a part of one.
+        path: Its key path.
+        marks: What annotates the field that it is in.
+    """
+    match value:
+        case None:
+            return
+        case BaseModel():
+            # Inside a law the quantity is that of the field that holds the law.
+            law = tuple(mark for mark in marks if isinstance(mark, LawOf))
+            for name, field in type(value).model_fields.items():
+                here = (*path, field.alias or name)
+                yield from leaves(getattr(value, name), here, _special(value, name) + _marks(field) + law)
+        case Mapping() if value:
+            for key, child in value.items():
+                yield from leaves(child, (*path, key), marks)
+        case tuple() if value:
+            row = _ROW in marks and isinstance(value[0], float)
+            for i, child in enumerate(value):
+                yield from leaves(child, (*path, i), (_TIME, *marks) if row and i == 0 else marks)
+        case _:
+            unit = _unit(marks) if isinstance(value, float) else ""
+            file = isinstance(value, str) and any(isinstance(mark, FileReference) for mark in marks)
+            yield Leaf(path, value, unit, file)
+
+
+_TIME = Quantity("time")
+_ROW = TimeAndValue()
+
+
+def _special(value: BaseModel, name: str) -> tuple[Any, ...]:
+    """The quantity of a field that depends on another one."""
+    match value:
+        case Expectation() if name == "value":
+            return (Quantity(measured(value.probe, value.reduce)),)
+        case _:
+            return ()
+
+
+def _marks(field: FieldInfo) -> tuple[Any, ...]:
+    """All annotations of a field, those inside unions and containers too, outermost first."""
+    return (*field.metadata, *_inner(field.annotation))
+
+
+def _inner(annotation: Any) -> tuple[Any, ...]:
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return ()
+    found: tuple[Any, ...] = tuple(getattr(annotation, "__metadata__", ()))
+    for argument in get_args(annotation):
+        found += _inner(argument)
+    return found
+
+
+def _unit(marks: tuple[Any, ...]) -> str:
+    for mark in marks:
+        if isinstance(mark, Quantity | LawOf):
+            return KINDS[mark.name].unit
+    return ""

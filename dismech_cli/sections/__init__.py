@@ -1,0 +1,1 @@
+"""From material and shape to stiffness and mass."""

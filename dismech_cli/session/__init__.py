@@ -1,0 +1,1 @@
+"""One run as a user knows it: load, check, conduct, judge; what commands and Python users call."""

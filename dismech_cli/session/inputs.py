@@ -1,0 +1,125 @@
+"""The scenario of a run and the files it names, copied so that the run directory stands on its own."""
+
+from __future__ import annotations
+
+import difflib
+import hashlib
+import shutil
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from ..errors import ScenarioError
+from ..output.durable import output_errors, staged, write_bytes
+from ..output.jsonable import Json
+from ..output.run_directory import SCENARIO_FILE
+from ..scenario.load import LoadedScenario
+from ..scenario.views.dump import dump_resolved
+from ..scenario.views.walk import leaves
+
+INPUT_FOLDER = "inputs"
+_SHOWN_LINES = 20
+
+
+@dataclass(frozen=True, slots=True)
+class Inputs:
+    """What a run depends on.
+
+    Attributes:
+        text: The resolved scenario; it names its files by the keys of ``files``.
+        files: Original of each file by its name in the run directory.
+        hashes: SHA-256 of each file by its name in the run directory.
+    """
+
+    text: str
+    files: Mapping[str, Path]
+    hashes: Mapping[str, str]
+
+    def identity(self, kernels: str, versions: Mapping[str, str]) -> dict[str, Json]:
+        """What a checkpoint must agree with."""
+        return {
+            "scenario": self.text,
+            "inputs": dict(self.hashes),
+            "kernels": kernels,
+            "versions": dict(versions),
+        }
+
+    def write(self, run_dir: Path) -> None:
+        """Write the scenario and copy its files.
+
+        Raises:
+            OutputError: If one cannot be written.
+        """
+        for name, original in self.files.items():
+            target = run_dir / name
+            with output_errors(target.parent, "create"):
+                target.parent.mkdir(exist_ok=True)
+            with staged(target) as temporary:
+                shutil.copyfile(original, temporary)
+        write_bytes(run_dir / SCENARIO_FILE, self.text.encode())
+
+
+def gather_inputs(loaded: LoadedScenario) -> Inputs:
+    """Find the files of a scenario and give them names in the run directory."""
+    names: dict[str, str] = {}
+    for leaf in leaves(loaded.scenario):
+        if leaf.file and leaf.value not in names and leaf.path[0] != "include":
+            name = f"{INPUT_FOLDER}/{Path(leaf.value).name}"
+            # Files of one name from different folders are told apart by a number.
+            names[leaf.value] = name if name not in names.values() else _numbered(name, len(names))
+    files = {new: (loaded.directory / old).resolve() for old, new in names.items()}
+    text = dump_resolved(loaded.scenario, names)
+    return Inputs(text, files, {new: _sha256(file) for new, file in files.items()})
+
+
+def stored_inputs(run_dir: Path, names: Iterable[str]) -> Inputs:
+    """The inputs that lie in a run directory now.
+
+    Args:
+        run_dir: The run directory.
+        names: Names of the files in it.
+
+    Raises:
+        OutputError: If one cannot be read.
+    """
+    with output_errors(run_dir / SCENARIO_FILE, "read"):
+        text = (run_dir / SCENARIO_FILE).read_text(encoding="utf-8")
+    files = {name: run_dir / name for name in names}
+    hashes = {}
+    for name, file in files.items():
+        with output_errors(file, "read"):
+            hashes[name] = _sha256(file)
+    return Inputs(text, files, hashes)
+
+
+def refuse_other(run_dir: Path, recorded: Mapping[str, Json], now: Inputs) -> None:
+    """Refuse a checkpoint of another scenario.
+
+    Raises:
+        ScenarioError: showing what differs.
+    """
+    before = str(recorded["scenario"])
+    if before != now.text:
+        lines = list(
+            difflib.unified_diff(
+                before.splitlines(), now.text.splitlines(), "checkpoint", SCENARIO_FILE, lineterm="", n=1
+            )
+        )
+        more = [f"... and {len(lines) - _SHOWN_LINES} more lines"] if len(lines) > _SHOWN_LINES else []
+        shown = "\n  ".join([*lines[:_SHOWN_LINES], *more])
+        raise ScenarioError(f"cannot resume {run_dir}: its checkpoint is of another scenario\n  {shown}")
+    inputs = recorded["inputs"]
+    assert isinstance(inputs, Mapping)
+    changed = [name for name, digest in now.hashes.items() if digest != inputs[name]]
+    if changed:
+        raise ScenarioError(f"cannot resume {run_dir}: {', '.join(changed)} changed since the checkpoint")
+
+
+def _numbered(name: str, number: int) -> str:
+    folder, _, base = name.rpartition("/")
+    return f"{folder}/{number}-{base}"
+
+
+def _sha256(file: Path) -> str:
+    with file.open("rb") as stream:
+        return hashlib.file_digest(stream, "sha256").hexdigest()

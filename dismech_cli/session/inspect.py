@@ -1,0 +1,206 @@
+"""What a scenario would build, and what running it would cost."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import numpy as np
+
+from ..compose.bodies.geometry import Geometry
+from ..compose.compose import Built, build
+from ..compose.structure.plan import Decision
+from ..kinematics.motion import held_dofs
+from ..output.frame import Topology
+from ..output.jsonable import Json, to_json
+from ..scenario.load import load
+from ..solve.linear.choice import choose_solver
+from ..solve.system import System
+
+# Measured on one core of 2.5 GHz: seconds per Newton iteration, fixed, per edge and per triangle,
+# linear solve included; factors of a surface fill by a power of its size. Good within a factor of three.
+_ITERATION = {"numpy": (1.2e-3, 3.0e-6, 4.0e-6), "numba": (0.3e-3, 1.2e-6, 1.0e-6)}
+_FILL, _FILL_POWER = 3.3e-7, 1.35
+_ITERATIONS_PER_STEP = 4.0
+_PROGRAM = 150e6  # bytes of Python with its libraries
+_BYTES_PER_ENTRY = 120.0  # matrix, factors, slot tables
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Cost:
+    """Size and rough price of a run.
+
+    Attributes:
+        dofs: Degrees of freedom.
+        free: Those that Newton solves for at the start.
+        entries: Stored entries of the matrix.
+        solver: Linear solver.
+        steps: Nominal time steps.
+        frames: Frames written.
+        seconds: Rough wall time [s].
+        memory: Rough memory [byte].
+        disk: Bytes of all frames in the run file.
+    """
+
+    dofs: int
+    free: int
+    entries: int
+    solver: str
+    steps: int
+    frames: int
+    seconds: float
+    memory: float
+    disk: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Extent:
+    """Size of a body at rest: whether it was meant in metres shows here.
+
+    Attributes:
+        name: The body.
+        edges: Number of rod edges.
+        triangles: Number of triangles.
+        size: Lengths of its bounding box [m].
+        mass: Of its material [kg].
+    """
+
+    name: str
+    edges: int
+    triangles: int
+    size: tuple[float, float, float]
+    mass: float
+
+    def __str__(self) -> str:
+        cells = f"{self.triangles} triangles" if self.triangles else f"{self.edges} edges"
+        x, y, z = (f"{length:.3g}" for length in self.size)
+        return f"{self.name}: {cells}, {x} x {y} x {z} m, {self.mass:.3g} kg"
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """A scenario that could run.
+
+    Attributes:
+        path: Its file, as given.
+        bodies: Their sizes.
+        notes: What was made of its meshes.
+        decisions: The plan with its reasons.
+        warnings: Implausible values.
+        cost: Size and price.
+    """
+
+    path: Path
+    bodies: tuple[Extent, ...]
+    notes: tuple[str, ...]
+    decisions: tuple[Decision, ...]
+    warnings: tuple[str, ...]
+    cost: Cost
+
+    def as_json(self) -> dict[str, Json]:
+        """For programs."""
+        return {
+            "scenario": str(self.path),
+            "ok": True,
+            "bodies": to_json([asdict(body) for body in self.bodies]),
+            "notes": list(self.notes),
+            "plan": to_json([asdict(decision) for decision in self.decisions]),
+            "warnings": list(self.warnings),
+            "cost": to_json(asdict(self.cost)),
+        }
+
+    def __str__(self) -> str:
+        c = self.cost
+        return "\n".join(
+            [
+                f"{self.path}: ok",
+                *(f"  {body}" for body in self.bodies),
+                *(f"  {note}" for note in self.notes),
+                *(f"  {d.what}\n    because: {d.why}" for d in self.decisions),
+                f"  {c.free} free of {c.dofs} DOFs, {c.entries} matrix entries, {c.solver} solver",
+                f"  {c.steps} steps, {c.frames} frames",
+                f"  about {_duration(c.seconds)}, {_bytes(c.memory)} of memory, {_bytes(c.disk)} on disk",
+            ]
+        )
+
+
+def inspect(path: Path, *, overrides: tuple[str, ...], profile: str | None, allow_outside: bool) -> Finding:
+    """Read and build a scenario; step nothing.
+
+    Raises:
+        ScenarioError: It cannot be read or built.
+    """
+    loaded = load(path, overrides=overrides, profile=profile, allow_outside=allow_outside)
+    built = build(loaded)
+    warnings = (*loaded.warnings, *built.plan.warnings)
+    decisions = built.plan.decisions
+    return Finding(path, extents(built.geometry), built.geometry.notes, decisions, warnings, estimate(built))
+
+
+def extents(geometry: Geometry) -> tuple[Extent, ...]:
+    """Size and mass of every body."""
+    edge_mass = geometry.per_edge("mass_per_length") * geometry.lengths
+    triangle_mass = geometry.per_triangle("mass_per_area") * geometry.areas
+    found = []
+    for name, nodes in geometry.body_nodes.items():
+        box = np.ptp(geometry.nodes[nodes], axis=0)
+        x, y, z = np.where(box > 1e-9 * box.max(), box, 0.0).tolist()  # flat but for rounding
+        edges = geometry.rod_edges.get(name, np.empty(0, dtype=np.int64))
+        triangles = geometry.triangles_of(name) if name not in geometry.rod_edges else edges[:0]
+        mass = float(edge_mass[edges].sum() + triangle_mass[triangles].sum())
+        found.append(Extent(name=name, edges=len(edges), triangles=len(triangles), size=(x, y, z), mass=mass))
+    return tuple(found)
+
+
+def estimate(built: Built) -> Cost:
+    """Count what can be counted and guess the rest."""
+    simulation = built.simulation
+    model, topology = simulation.model, simulation.topology
+    pattern = System(model, ~held_dofs(model.motions, model.dofs.n, 0.0)).pattern
+    wanted = simulation.linear_solver
+    steps = len(simulation.grid) - 1
+    end = float(simulation.grid[-1])
+    frames = steps + 1
+    if simulation.frame_every > 0.0:
+        frames = min(frames, int(end / simulation.frame_every * (1.0 + 1e-12)) + 1)
+    fixed, edge, triangle = _ITERATION[built.plan.kernels]
+    edges, triangles = len(topology.edges), len(topology.triangles)
+    iteration = fixed + edge * edges + triangle * triangles + _FILL * triangles**_FILL_POWER
+    return Cost(
+        dofs=model.dofs.n,
+        free=pattern.m,
+        entries=pattern.nnz,
+        solver=choose_solver(pattern) if wanted == "auto" else wanted,
+        steps=steps,
+        frames=frames,
+        seconds=steps * _ITERATIONS_PER_STEP * iteration,
+        memory=_PROGRAM + _BYTES_PER_ENTRY * pattern.nnz,
+        disk=8.0 * frames * _numbers_per_frame(topology),
+    )
+
+
+def _numbers_per_frame(topology: Topology) -> int:
+    nodes, cells = len(topology.rest_positions), len(topology.edges) + len(topology.triangles)
+    numbers = 3 * nodes + len(topology.scalars)
+    for field in topology.fields:
+        numbers += field.components * (nodes if field.location == "node" else cells)
+    for shape, _ in topology.state.values():
+        size = 1
+        for length in shape:
+            size *= length
+        numbers += size
+    return numbers
+
+
+def _duration(seconds: float) -> str:
+    for unit, size in (("h", 3600.0), ("min", 60.0)):
+        if seconds >= 2.0 * size:
+            return f"{seconds / size:.2g} {unit}"
+    return f"{seconds:.1g} s"
+
+
+def _bytes(count: float) -> str:
+    for unit, size in (("GB", 1e9), ("MB", 1e6)):
+        if count >= size:
+            return f"{count / size:.3g} {unit}"
+    return f"{max(count / 1e3, 1.0):.3g} kB"

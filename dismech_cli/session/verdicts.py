@@ -1,0 +1,66 @@
+"""What the scenario promised against what the run gave."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from ..cli.tables import table, with_unit
+from ..run.loop import Outcome
+from ..run.observables.reduce import reduce_series
+from ..scenario.language.expect import Expectation, measured
+from ..units import KINDS
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """One expectation, judged.
+
+    Attributes:
+        name: Its name.
+        measured: What the run gave; NaN if it gave nothing.
+        expected: What it should be.
+        tolerance: Greatest deviation, as text.
+        unit: SI unit of both numbers.
+        source: Where the expected value comes from.
+        passed: Whether they agree.
+    """
+
+    name: str
+    measured: float
+    expected: float
+    tolerance: str
+    unit: str
+    source: str
+    passed: bool
+
+
+def judge(expectations: Mapping[str, Expectation], outcome: Outcome) -> tuple[Verdict, ...]:
+    """Measure every expectation on the watched series of a finished run."""
+    verdicts = []
+    for name, e in expectations.items():
+        value = reduce_series(outcome.times, outcome.watched[name], e.reduce, at=e.at, after=e.after)
+        unit = KINDS[measured(e.probe, e.reduce)].unit
+        percent = e.tolerance.kind == "relative"
+        tolerance = (
+            f"{100.0 * e.tolerance.size:.6g} %" if percent else with_unit(f"{e.tolerance.size:.6g}", unit)
+        )
+        passed = e.tolerance.allows(value, e.value)
+        verdicts.append(Verdict(name, value, e.value, tolerance, unit, e.source, passed))
+    return tuple(verdicts)
+
+
+def verdict_table(verdicts: tuple[Verdict, ...]) -> str:
+    """The verdicts for people."""
+    rows = [
+        (
+            v.name,
+            with_unit(f"{v.measured:.6g}", v.unit),
+            with_unit(f"{v.expected:.6g}", v.unit),
+            v.tolerance,
+            "pass" if v.passed else "MISSED",
+            v.source,
+        )
+        for v in verdicts
+    ]
+    return table(("expectation", "measured", "expected", "tolerance", "", "source"), rows)

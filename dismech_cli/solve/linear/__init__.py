@@ -1,0 +1,1 @@
+"""Direct linear solvers, chosen by structure."""

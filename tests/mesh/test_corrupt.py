@@ -1,0 +1,127 @@
+"""Whatever a mesh file holds, its reader gives a mesh or a MeshError."""
+
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+
+import meshio
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from mesh_texts import BELL, HYBRID, MSH22, MSH41
+
+from dismech_cli.errors import MeshError
+from dismech_cli.mesh.files.gmsh import parse_gmsh
+from dismech_cli.mesh.files.obj import parse_obj
+from dismech_cli.mesh.files.text import parse_text
+from dismech_cli.mesh.mesh import Mesh
+
+NUMBERS = [b"nan", b"inf", b"-1", b"0", b"1e308", b"2.5", b"1_0", b"9" * 12, b"9" * 23]
+MARKS = [b"*", b"#", b"\\", b",", b"\n", b" ", b"f", b"//", b"$", b"$EndNodes\n", b"*Nodes\n"]
+HOSTILE = [*NUMBERS, *MARKS, b"\x00", b"\xff\xfe", b"\xd9\xa1"]
+
+
+def _binary(version: str) -> bytes:
+    points = np.array([[2, 2, 2], [0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]], dtype=float)
+    tags = [np.array([1, 1]), np.array([2])]
+    mesh = meshio.Mesh(
+        points,
+        [("triangle", [[1, 2, 3], [2, 4, 3]]), ("line", [[4, 0]])],
+        cell_data={"gmsh:physical": tags, "gmsh:geometrical": tags},
+        point_data={"gmsh:dim_tags": np.array([[1, 2]] + [[2, 1]] * 4)},
+        field_data={"skin": np.array([1, 2])},
+    )
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "m.msh"
+        meshio.write(path, mesh, file_format=version, binary=True)
+        return path.read_bytes()
+
+
+READERS: dict[str, tuple[bytes, Callable[[bytes], Mesh]]] = {
+    "text": (HYBRID.encode(), lambda data: parse_text(data.decode(errors="replace"), "m")),
+    "obj": (BELL.encode(), lambda data: parse_obj(data.decode(errors="replace"), "m")),
+    "gmsh 4.1": (MSH41.encode(), lambda data: parse_gmsh(data, "m")),
+    "gmsh 2.2": (MSH22.encode(), lambda data: parse_gmsh(data, "m")),
+    "gmsh 4.1 binary": (_binary("gmsh"), lambda data: parse_gmsh(data, "m")),
+    "gmsh 2.2 binary": (_binary("gmsh22"), lambda data: parse_gmsh(data, "m")),
+}
+
+
+@st.composite
+def _mutations(draw: st.DrawFn) -> list[tuple[float, str, bytes, int]]:
+    one = st.tuples(
+        st.floats(0, 1, exclude_max=True),
+        st.sampled_from(["insert", "replace", "delete", "swap"]),
+        st.one_of(st.sampled_from(HOSTILE), st.binary(min_size=1, max_size=4)),
+        st.integers(1, 40),
+    )
+    return draw(st.lists(one, min_size=1, max_size=4))
+
+
+def _mutate(data: bytes, mutations: list[tuple[float, str, bytes, int]]) -> bytes:
+    for where, how, payload, size in mutations:
+        at = int(where * len(data))
+        match how:
+            case "insert":
+                data = data[:at] + payload + data[at:]
+            case "replace":
+                data = data[:at] + payload + data[at + len(payload) :]
+            case "delete":
+                data = data[:at] + data[at + size :]
+            case _:
+                data = data[at:] + data[:at] if size > 30 else data[:at] + data[at : at + size] + data[at:]
+    return data
+
+
+def _check_outcome(read: Callable[[bytes], Mesh], data: bytes) -> None:
+    """The mesh is sound, or the message starts with the name of the file."""
+    message = "m"
+    try:
+        _check_sound(read(data))
+    except MeshError as error:
+        message = str(error)
+    assert message.startswith("m")
+
+
+def _check_sound(mesh: Mesh) -> None:
+    assert np.isfinite(mesh.nodes).all()
+    for rows in (mesh.edges, mesh.triangles):
+        assert ((rows >= 0) & (rows < len(mesh.nodes))).all()
+    for groups, count in (
+        (mesh.node_groups, len(mesh.nodes)),
+        (mesh.edge_groups, len(mesh.edges)),
+        (mesh.triangle_groups, len(mesh.triangles)),
+    ):
+        for group in groups.values():
+            assert ((group >= 0) & (group < count)).all()
+
+
+@pytest.mark.parametrize("name", READERS)
+def test_the_unharmed_file_reads(name: str) -> None:
+    data, read = READERS[name]
+    _check_sound(read(data))
+
+
+@pytest.mark.parametrize("name", READERS)
+@settings(max_examples=250, deadline=None)
+@given(mutations=_mutations())
+def test_mutated_files(name: str, mutations: list[tuple[float, str, bytes, int]]) -> None:
+    data, read = READERS[name]
+    _check_outcome(read, _mutate(data, mutations))
+
+
+@pytest.mark.parametrize("name", READERS)
+def test_truncated_files(name: str) -> None:
+    data, read = READERS[name]
+    for length in range(0, len(data), 7):
+        _check_outcome(read, data[:length])
+
+
+@pytest.mark.parametrize("name", READERS)
+@settings(max_examples=60, deadline=None)
+@given(junk=st.binary(max_size=200))
+def test_junk(name: str, junk: bytes) -> None:
+    _, read = READERS[name]
+    with pytest.raises(MeshError):
+        read(junk)

@@ -1,0 +1,77 @@
+"""A run that makes energy out of nothing ends as a failure, not as a result."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import ClassVar
+
+import dismech_cli
+from dismech_cli.compose.compose import build
+from dismech_cli.model.state import State
+from dismech_cli.run.loop import End, run
+from dismech_cli.session.simulate import Memory
+from dismech_cli.solve.integrators import ImplicitEuler, Stage
+
+DECK = """
+schema_version: 1
+name: swing
+dimension: 2
+materials: {m: {youngs_modulus: 1 MPa, poisson_ratio: 0.5, density: 1000}}
+geometry:
+  - {type: rod, name: beam, material: m, radius: 2 mm,
+     generate: {shape: line, from: [0, 0, 0], to: [0.1, 0, 0], nodes: 6}}
+motions: [{type: clamp, where: beam.start}]
+forces: [{type: gravity, acceleration: [0, 0, -9.81]}]
+numerics: {integrator: {type: implicit_euler}, dt: 2 ms, t_end: 0.4 s}
+output: {every: 2 ms}
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class Amplifying:
+    """An unstable integrator: implicit Euler that ends every step too fast."""
+
+    gain: float
+    name: ClassVar[str] = "amplifying"
+    order: ClassVar[int] = 1
+    stages: ClassVar[int] = 1
+    needs_acceleration: ClassVar[bool] = False
+    damping: ClassVar[int] = 0
+
+    def stage(self, index: int, start: State, latest: State, dt: float) -> Stage:
+        stage = ImplicitEuler().stage(index, start, latest, dt)
+        slope, constant = stage.v_end
+        return replace(stage, v_end=(self.gain * slope, self.gain * constant))
+
+
+def outcome(folder: Path, gain: float) -> tuple[End, str]:
+    deck = folder / "swing.yaml"
+    deck.write_text(DECK)
+    simulation = build(dismech_cli.load(deck)).simulation
+    result = run(replace(simulation, integrator=Amplifying(gain)), Memory())
+    return result.end, result.message
+
+
+def test_energy_from_nowhere_is_a_failure_that_says_so(tmp_path: Path) -> None:
+    end, message = outcome(tmp_path, 1.6)
+    assert end is End.FAILED
+    assert "that nothing gave it" in message
+    assert "generalized_alpha" in message
+
+
+def test_a_sound_run_is_left_alone(tmp_path: Path) -> None:
+    assert outcome(tmp_path, 1.0) == (End.DONE, "")
+
+
+def test_a_law_that_ends_in_the_middle_fails_the_run_and_keeps_its_frames(tmp_path: Path) -> None:
+    deck = tmp_path / "swing.yaml"
+    law = '{type: curvature_1, rod: beam, value: {expression: "sqrt(0.25 - t*s)"}}'
+    deck.write_text(f"{DECK}actuation: [{law}]\n")
+    memory = Memory()
+    result = run(build(dismech_cli.load(deck)).simulation, memory)
+    assert result.end is End.FAILED
+    assert "'sqrt(0.25 - t*s)' has no finite value at t = 0." in result.message
+    assert memory.events[-1][0] == "failed"
+    assert memory.frames[-1].t == memory.numbers["t"] == result.state.t
+    assert 0.2 < result.state.t < 0.4
