@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dismech_cli.arrays import FloatArray
-from dismech_cli.compose.compose import build
+from dismech_cli.compose.compose import compose
 
 from .elastica_scenes import Wire, fall, largest_stable_step
 from .newton_iteration import advance
@@ -41,7 +41,7 @@ def ours(case: Case, dt: float) -> tuple[FloatArray, float]:
     """Position of the tip at the end and CPU time of the steps [s]."""
     settings = ["numerics.integrator={type: generalized_alpha}", f"numerics.dt={dt!r} s"]
     settings += [f"numerics.t_end={case.t_end!r} s", "numerics.kernels=numba", "expect={}"]
-    simulation = build(gallery(case.name, settings)).simulation
+    simulation = compose(gallery(case.name, settings)).simulation
     stepper = stepper_of(simulation)
     state = stepper.prepare(stepper.rest_state())
     start = time.process_time()
@@ -52,7 +52,7 @@ def ours(case: Case, dt: float) -> tuple[FloatArray, float]:
 def wire_of(case: Case) -> Wire:
     """The rod of a scenario as plain numbers."""
     loaded = gallery(case.name)
-    geometry = build(loaded).geometry
+    geometry = compose(loaded).geometry
     (material,) = loaded.scenario.materials.values()
     radius = loaded.scenario.geometry[0].radius
     assert radius is not None

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from dismech_cli import load
-from dismech_cli.compose.compose import build
+from dismech_cli.compose.compose import compose
 from dismech_cli.run.simulation import Simulation
 from dismech_cli.scenario.load import LoadedScenario
 from dismech_cli.solve.step import Stepper
@@ -39,7 +39,7 @@ def gallery(name: str, overrides: Sequence[str] = ()) -> LoadedScenario:
 
 def simulation_of(loaded: LoadedScenario) -> Simulation:
     """What a scenario builds."""
-    return build(loaded).simulation
+    return compose(loaded).simulation
 
 
 def stepper_of(simulation: Simulation) -> Stepper:
@@ -66,4 +66,4 @@ def built(deck: dict[str, Any], numerics: Mapping[str, object]) -> Simulation:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "scene.yaml"
         path.write_text(json.dumps(deck | {"numerics": dict(numerics)}), encoding="utf-8")
-        return build(load(path)).simulation
+        return compose(load(path)).simulation

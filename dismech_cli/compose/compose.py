@@ -42,20 +42,20 @@ from .structure.skeleton import make_skeleton
 
 
 @dataclass(frozen=True, slots=True)
-class Built:
-    """A simulation and the plan it follows."""
+class Composition:
+    """A simulation, the plan it follows, and the bodies it is of."""
 
     simulation: Simulation
     plan: Plan
     geometry: Geometry
 
 
-def build(
+def compose(
     loaded: LoadedScenario,
     kernels: str | None = None,
     planned: Callable[[Plan], None] = lambda plan: None,
-) -> Built:
-    """Build everything; steps nothing.
+) -> Composition:
+    """Compose everything; steps nothing.
 
     Args:
         loaded: The scenario.
@@ -63,7 +63,7 @@ def build(
         planned: Told the plan before anything is built, which may take long to compile.
 
     Raises:
-        ScenarioError: The scenario cannot be built; the message points to the key.
+        ScenarioError: The scenario cannot be composed; the message points to the key.
     """
     scenario = loaded.scenario
     static = isinstance(scenario.numerics.integrator, Static)
@@ -134,7 +134,7 @@ def build(
         watched=watched,
         places=_places(geometry),
     )
-    return Built(simulation, plan, geometry)
+    return Composition(simulation, plan, geometry)
 
 
 def _times(loaded: LoadedScenario) -> tuple[FloatArray, float]:

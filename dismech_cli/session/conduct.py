@@ -10,7 +10,7 @@ from typing import cast
 
 from ..cli.console import Console
 from ..cli.exits import Exit, code_of
-from ..compose.compose import Built
+from ..compose.compose import Composition
 from ..errors import DismechError, OutputError
 from ..output.jsonable import Json
 from ..output.manifest import Manifest, Status, utc_now
@@ -39,7 +39,7 @@ class Session:
     """
 
     loaded: LoadedScenario
-    built: Built
+    built: Composition
     run_dir: Path
     manifest: Manifest
     identity: Mapping[str, Json]

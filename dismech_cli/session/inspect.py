@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from ..compose.bodies.geometry import Geometry
-from ..compose.compose import Built, build
+from ..compose.compose import Composition, compose
 from ..compose.structure.plan import Decision
 from ..kinematics.motion import held_dofs
 from ..output.frame import Topology
@@ -131,7 +131,7 @@ def inspect(path: Path, *, overrides: tuple[str, ...], profile: str | None, allo
         ScenarioError: It cannot be read or built.
     """
     loaded = load(path, overrides=overrides, profile=profile, allow_outside=allow_outside)
-    built = build(loaded)
+    built = compose(loaded)
     warnings = (*loaded.warnings, *built.plan.warnings)
     decisions = built.plan.decisions
     return Finding(path, extents(built.geometry), built.geometry.notes, decisions, warnings, estimate(built))
@@ -152,7 +152,7 @@ def extents(geometry: Geometry) -> tuple[Extent, ...]:
     return tuple(found)
 
 
-def estimate(built: Built) -> Cost:
+def estimate(built: Composition) -> Cost:
     """Count what can be counted and guess the rest."""
     simulation = built.simulation
     model, topology = simulation.model, simulation.topology

@@ -10,7 +10,7 @@ from pathlib import Path
 from ..cli.console import Console
 from ..cli.options import Pause
 from ..cli.presenting import Presenting
-from ..compose.compose import build
+from ..compose.compose import compose
 from ..errors import OutputError, ScenarioError
 from ..output.jsonable import Json
 from ..output.manifest import FILE_NAME, installed_versions, load_manifest
@@ -51,7 +51,7 @@ def proceed(run_dir: Path, pause: Pause, present: Presenting) -> int:
             raise ScenarioError(
                 f"{run_dir} was run with numba, which is missing: pip install 'dismech[fast]'"
             )
-        built = build(loaded, kernels, planned=present.planned)
+        built = compose(loaded, kernels, planned=present.planned)
         manifest = replace(manifest, status="running", ended="", exit_code=None, message="")
         manifest.save(run_dir)
         identity = recorded or _fresh_identity(run_dir, loaded, built.plan.kernels)

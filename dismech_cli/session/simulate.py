@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from ..arrays import FloatArray
-from ..compose.compose import Built, build
+from ..compose.compose import Composition, compose
 from ..output.frame import Frame
 from ..run.loop import Outcome, Progress, run
 from ..scenario.load import LoadedScenario, load
@@ -50,7 +50,7 @@ class Result:
 
     outcome: Outcome
     frames: tuple[Frame, ...]
-    built: Built
+    built: Composition
 
 
 def simulate(scenario: LoadedScenario | str | Path) -> Result:
@@ -63,7 +63,7 @@ def simulate(scenario: LoadedScenario | str | Path) -> Result:
         ScenarioError: It cannot be read or built.
     """
     loaded = scenario if isinstance(scenario, LoadedScenario) else load(scenario)
-    built = build(loaded)
+    built = compose(loaded)
     memory = Memory()
     outcome = run(built.simulation, memory)
     return Result(outcome, tuple(memory.frames), built)

@@ -9,7 +9,7 @@ from pathlib import Path
 from ..cli.options import Pause
 from ..cli.pictures import make_pictures, wanted
 from ..cli.presenting import Presenting
-from ..compose.compose import build
+from ..compose.compose import compose
 from ..errors import ScenarioError
 from ..output import run_directory
 from ..output.manifest import Manifest, installed_versions
@@ -68,7 +68,7 @@ def start(request: Start, present: Presenting) -> int:
     for warning in loaded.warnings:
         present.console.warn(warning)
     tock = time.perf_counter()
-    built = build(loaded, planned=present.planned)
+    built = compose(loaded, planned=present.planned)
     for note in built.geometry.notes:
         present.console.say(note)
     for warning in built.plan.warnings:

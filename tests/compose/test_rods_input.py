@@ -10,7 +10,7 @@ import pytest
 from decks import CLAMPED_START, Deck, given_section, line, rod_deck
 
 from dismech_cli import load
-from dismech_cli.compose.compose import build
+from dismech_cli.compose.compose import compose
 from dismech_cli.errors import DismechError
 
 SPACE: Deck = {"dimension": 3}
@@ -67,4 +67,4 @@ def refused(folder: Path, deck: Deck, message: str) -> None:
     file = folder / "scene.yaml"
     file.write_text(json.dumps(deck), encoding="utf-8")
     with pytest.raises(DismechError, match=re.escape(message)):
-        build(load(file))
+        compose(load(file))

@@ -27,7 +27,7 @@ from shell_decks import (
 
 from dismech_cli import load
 from dismech_cli.arrays import FloatArray
-from dismech_cli.compose.compose import Built, build
+from dismech_cli.compose.compose import Composition, compose
 from dismech_cli.energies.hinge import hinge_angles
 from dismech_cli.forces.aerodynamic import aerodynamic_drag
 from dismech_cli.forces.hydrodynamic import area_damping, hydrodynamic_drag
@@ -214,7 +214,7 @@ def test_bodies_of_one_file_share_their_nodes(made: Any, tmp_path: Path, order: 
         {"type": "shell", "name": "sheet", "material": "rubber", "thickness": 2e-3, **mesh},
         {"type": "rod", "name": "rod", "material": "rubber", "radius": 2e-3, **mesh},
     ]
-    built: Built = made(deck | {"geometry": bodies[::order]})
+    built: Composition = made(deck | {"geometry": bodies[::order]})
     geometry = built.geometry
     assert len(geometry.nodes) == 5
     assert len(np.intersect1d(geometry.body_nodes["sheet"], geometry.body_nodes["rod"])) == 1
@@ -304,12 +304,12 @@ def test_resumed_run_is_the_same_run(write: Any, integrator: str) -> None:
     deck["geometry"][0]["thickness"] = 5e-4
     loaded = load(write(deck))
     whole, first, second = Memory(), Memory(), Memory()
-    straight = run(build(loaded).simulation, whole)
-    paused = run(build(loaded).simulation, first, limits=Limits(until=0.009))
+    straight = run(compose(loaded).simulation, whole)
+    paused = run(compose(loaded).simulation, first, limits=Limits(until=0.009))
     assert paused.end is End.INTERRUPTED
-    resumed = run(build(loaded).simulation, second, resume_from=(first.arrays, first.numbers))
+    resumed = run(compose(loaded).simulation, second, resume_from=(first.arrays, first.numbers))
     assert resumed.end is End.DONE
-    assert np.abs(straight.state.q - build(loaded).simulation.model.rest).max() > 1e-3
+    assert np.abs(straight.state.q - compose(loaded).simulation.model.rest).max() > 1e-3
     for name in ("q", "v", "a"):
         assert_array_equal(getattr(resumed.state, name), getattr(straight.state, name))
     assert_array_equal(resumed.state.frames.edge_normal, straight.state.frames.edge_normal)

@@ -31,7 +31,7 @@ from shell_force_checks import CAP, check, state
 
 from dismech_cli import load
 from dismech_cli.arrays import FloatArray
-from dismech_cli.compose.compose import build
+from dismech_cli.compose.compose import compose
 from dismech_cli.compose.structure.plan import Bending
 from dismech_cli.forces.follower import Faces, FollowerForce, FramedEdges, PlanarEdges
 from dismech_cli.kinematics.motion import held_dofs
@@ -196,7 +196,7 @@ def forces_at(deck: Deck, folder: Path, turn: FloatArray | None = None) -> Float
     """Loads of a scene on its nodes at rest, or with all nodes turned."""
     file = folder / "scene.yaml"
     file.write_text(json.dumps(deck), encoding="utf-8")
-    simulation = build(load(file)).simulation
+    simulation = compose(load(file)).simulation
     model = simulation.model
     q = model.rest.copy()
     stored = model.frames.rest(q)
@@ -251,7 +251,7 @@ def test_node_between_edges_takes_half_of_each(tmp_path: Path) -> None:
     }
     file = tmp_path / "scene.yaml"
     file.write_text(json.dumps(deck), encoding="utf-8")
-    model = build(load(file)).simulation.model
+    model = compose(load(file)).simulation.model
     (term,) = (t for t in model.terms if isinstance(t, FollowerForce))
     q = model.rest.copy()
     model.dofs.positions(q)[2] = [1.0, 1.0]
@@ -264,7 +264,7 @@ def test_a_straight_round_rod_gets_frames(tmp_path: Path) -> None:
     file = tmp_path / "scene.yaml"
     for follower, bending in ((False, Bending.ISOTROPIC), (True, Bending.FRAMED)):
         file.write_text(json.dumps(deck | {"forces": [force | {"follower": follower}]}), encoding="utf-8")
-        plan = build(load(file)).plan
+        plan = compose(load(file)).plan
         assert plan.bending is bending
     assert any(d.why == "a load turns with a rod" for d in plan.decisions)
 
@@ -297,7 +297,7 @@ def test_tangent_in_balance(tmp_path: Path) -> None:
     deck = rod_deck(line(9), section, dimension=3, forces=forces)
     file = tmp_path / "scene.yaml"
     file.write_text(json.dumps(deck), encoding="utf-8")
-    model = build(load(file)).simulation.model
+    model = compose(load(file)).simulation.model
     stepper = Stepper(model, Static(), NewtonSettings(), "auto")
     state = stepper.prepare(stepper.rest_state())
     for _ in range(4):

@@ -13,7 +13,7 @@ from linear_systems import SOLVERS, system
 from numpy.testing import assert_allclose
 from shell_cases import shell
 
-from dismech_cli.compose.compose import build
+from dismech_cli.compose.compose import compose
 from dismech_cli.kernels.linearization import Linearization
 from dismech_cli.kernels.projection import ProjectedDriver, clamped
 from dismech_cli.mesh.generate.sheets import sheet
@@ -90,7 +90,7 @@ def test_solvers_know_an_indefinite_matrix(name: str, kind: str) -> None:
 
 
 def strip(projection: str) -> Simulation:
-    return build(
+    return compose(
         load(STRIP, overrides=[f"numerics.newton.projection={projection}"]), kernels="numpy"
     ).simulation
 
@@ -119,7 +119,7 @@ def test_projection_does_nothing_where_the_tangent_is_definite() -> None:
     results = []
     for projection in TANGENTS:
         loaded = load(folder / "plate.yaml", overrides=["geometry[0].generate.divisions=4"])
-        simulation = build(loaded, kernels="numpy").simulation
+        simulation = compose(loaded, kernels="numpy").simulation
         settings = replace(simulation.newton, factorize=TANGENTS[projection])
         stepper = Stepper(simulation.model, simulation.integrator, settings, simulation.linear_solver)
         results.append(stepper.step(stepper.prepare(stepper.rest_state()), 1.0))

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import ClassVar
 
 import dismech_cli
-from dismech_cli.compose.compose import build
+from dismech_cli.compose.compose import compose
 from dismech_cli.model.state import State
 from dismech_cli.run.loop import End, run
 from dismech_cli.session.simulate import Memory
@@ -48,7 +48,7 @@ class Amplifying:
 def outcome(folder: Path, gain: float) -> tuple[End, str]:
     deck = folder / "swing.yaml"
     deck.write_text(DECK)
-    simulation = build(dismech_cli.load(deck)).simulation
+    simulation = compose(dismech_cli.load(deck)).simulation
     result = run(replace(simulation, integrator=Amplifying(gain)), Memory())
     return result.end, result.message
 
@@ -69,7 +69,7 @@ def test_a_law_that_ends_in_the_middle_fails_the_run_and_keeps_its_frames(tmp_pa
     law = '{type: curvature_1, rod: beam, value: {expression: "sqrt(0.25 - t*s)"}}'
     deck.write_text(f"{DECK}actuation: [{law}]\n")
     memory = Memory()
-    result = run(build(dismech_cli.load(deck)).simulation, memory)
+    result = run(compose(dismech_cli.load(deck)).simulation, memory)
     assert result.end is End.FAILED
     assert "'sqrt(0.25 - t*s)' has no finite value at t = 0." in result.message
     assert memory.events[-1][0] == "failed"

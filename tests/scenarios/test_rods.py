@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from dismech_cli.compose.compose import build
+from dismech_cli.compose.compose import compose
 from dismech_cli.run.loop import End, Limits, run
 from dismech_cli.run.observables.reduce import reduce_series
 from dismech_cli.scenario.language.numerics import ImplicitEuler, Newmark, Numerics, Static
@@ -42,7 +42,7 @@ def scene(name: str, *overrides: str) -> LoadedScenario:
 
 
 def simulate(loaded: LoadedScenario, limits: Limits | None = None) -> Result:
-    built = build(loaded)
+    built = compose(loaded)
     memory = Memory()
     outcome = run(built.simulation, memory, limits=limits or Limits())
     return Result(outcome, tuple(memory.frames), built)
@@ -86,7 +86,7 @@ def test_says_what_it_is(name):
 @pytest.mark.parametrize("name", NAMES)
 def test_builds_and_steps(name):
     loaded = scene(name)
-    simulation = build(loaded, kernels="numpy").simulation
+    simulation = compose(loaded, kernels="numpy").simulation
     memory = Memory()
     until = float(simulation.grid[min(3, len(simulation.grid) - 1)])
     outcome = run(simulation, memory, limits=Limits(until=until))

@@ -11,7 +11,7 @@ from numpy.polynomial import Legendre, Polynomial
 from numpy.polynomial.legendre import leggauss
 from numpy.testing import assert_allclose
 
-from dismech_cli.compose.compose import build
+from dismech_cli.compose.compose import compose
 from dismech_cli.run.loop import End, Limits, run
 from dismech_cli.scenario.load import LoadedScenario, load
 from dismech_cli.session.simulate import Memory
@@ -29,7 +29,7 @@ def scene(name: str, *overrides: str) -> LoadedScenario:
 def positions(name: str, *overrides: str, until: float | None = None) -> tuple[np.ndarray, np.ndarray]:
     """Positions at the start and the end of a run."""
     memory = Memory()
-    simulation = build(scene(name, *overrides), kernels="numpy").simulation
+    simulation = compose(scene(name, *overrides), kernels="numpy").simulation
     outcome = run(simulation, memory, limits=Limits() if until is None else Limits(until=until))
     assert outcome.end in (End.DONE, End.INTERRUPTED), outcome.message
     return memory.frames[0].positions, memory.frames[-1].positions
@@ -82,7 +82,7 @@ def clamped_plate(poisson_ratio: float, stiffness: float, length: float, terms: 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_builds_and_steps(name):
-    simulation = build(scene(name), kernels="numpy").simulation
+    simulation = compose(scene(name), kernels="numpy").simulation
     memory = Memory()
     until = float(simulation.grid[min(3, len(simulation.grid) - 1)])
     outcome = run(simulation, memory, limits=Limits(until=until))
@@ -167,7 +167,7 @@ def test_parachute_starts_in_free_fall():
 def test_the_bell_climbs_by_the_same_in_every_period_but_the_first():
     """Thrust and drag balance from the second beat on; it starts from rest, contracting at full thrust."""
     memory = Memory()
-    outcome = run(build(scene("jellyfish")).simulation, memory)
+    outcome = run(compose(scene("jellyfish")).simulation, memory)
     assert outcome.end is End.DONE, outcome.message
     middle = np.array([frame.positions.mean(axis=0) for frame in memory.frames])
     times = np.array([frame.t for frame in memory.frames])

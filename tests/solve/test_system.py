@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose
 
 import dismech_cli
 from dismech_cli.arrays import FloatArray
-from dismech_cli.compose.compose import build
+from dismech_cli.compose.compose import compose
 from dismech_cli.kinematics.rod_frames import FrameState
 from dismech_cli.solve.integrators import Stage
 from dismech_cli.solve.step import Stepper
@@ -37,7 +37,7 @@ def _moving(tmp_path: Path, forces: str, integrator: str) -> tuple[Stepper, Stag
     """A rod that has been pushed at random, and a guess somewhere near its next position."""
     deck = tmp_path / "tangent.yaml"
     deck.write_text(DECK % (forces, integrator))
-    simulation = build(dismech_cli.load(deck)).simulation
+    simulation = compose(dismech_cli.load(deck)).simulation
     stepper = Stepper(simulation.model, simulation.integrator, simulation.newton, "auto")
     random = np.random.default_rng(1)
     state = stepper.prepare(stepper.rest_state(random.normal(scale=0.1, size=simulation.model.dofs.n)))

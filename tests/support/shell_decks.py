@@ -10,7 +10,7 @@ import pytest
 from shell_cases import Material
 
 from dismech_cli import load
-from dismech_cli.compose.compose import build
+from dismech_cli.compose.compose import compose
 from dismech_cli.errors import ScenarioError
 from dismech_cli.run.loop import End
 from dismech_cli.session.simulate import Result, simulate
@@ -67,7 +67,7 @@ def write(tmp_path: Path) -> Any:
 
 @pytest.fixture
 def made(write: Any) -> Any:
-    return lambda deck: build(load(write(deck)))
+    return lambda deck: compose(load(write(deck)))
 
 
 @pytest.fixture
@@ -84,7 +84,7 @@ def ran(write: Any) -> Any:
 def refused(write: Any) -> Any:
     def message(deck: Deck) -> str:
         with pytest.raises(ScenarioError) as error:
-            build(load(write(deck)))
+            compose(load(write(deck)))
         return str(error.value)
 
     return message

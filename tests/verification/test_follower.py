@@ -19,7 +19,7 @@ from scipy.special import beta
 
 from dismech_cli import load
 from dismech_cli.arrays import FloatArray
-from dismech_cli.compose.compose import build
+from dismech_cli.compose.compose import compose
 from dismech_cli.kinematics.motion import held_dofs
 from dismech_cli.model.model import Model
 from dismech_cli.model.state import State
@@ -137,7 +137,7 @@ def column(folder: Path, dimension: int, nodes: int) -> Model:
     )
     file = folder / "column.yaml"
     file.write_text(json.dumps(deck), encoding="utf-8")
-    return build(load(file)).simulation.model
+    return compose(load(file)).simulation.model
 
 
 def squares(model: Model, p: float) -> FloatArray:
