@@ -140,7 +140,7 @@ def peak_memory(triangles: int, bending: str) -> tuple[float, float]:
     # not getrusage: a child starts with the peak of its parent there
     code = (
         "from benchmarks.shells import resident_peak, stepper_of, sheet, DT\n"
-        "import dismech_cli.model.numba_driver, pypardiso, numba\n"
+        "import dismech_cli.kernels.numba_driver, pypardiso, numba\n"
         "before = resident_peak()\n"
         f"s = stepper_of(sheet({triangles}, bending='{bending}', kernels='numba', dt=DT, t_end=1.0))\n"
         "s.step(s.prepare(s.rest_state()), DT)\n"

@@ -141,12 +141,12 @@ def test_files_of_the_scenario_travel_with_the_run(call, swing):
 
 
 def test_a_bug_ends_with_1_and_asks_for_a_report(call, swing, monkeypatch):
-    import dismech_cli.cli.session
+    import dismech_cli.session.conduct
 
     def break_down(*arguments, **options):
         raise ZeroDivisionError("a bug")
 
-    monkeypatch.setattr(dismech_cli.cli.session, "run", break_down)
+    monkeypatch.setattr(dismech_cli.session.conduct, "run", break_down)
     done = call("run", "swing.yaml", "-o", "out")
     assert done.code == 1
     assert "ZeroDivisionError: a bug" in done.stderr
@@ -256,16 +256,16 @@ def test_compilation_is_announced_once(call, swing, monkeypatch, tmp_path):
 
 
 def test_resume_keeps_the_kernels_of_the_run(call, swing, monkeypatch):
-    import dismech_cli.cli.continuing as continuing
+    import dismech_cli.session.resume as continuing
 
     call("run", "swing.yaml", "--until", "0.01", "-o", "out")
-    build, kept = continuing.build, []
+    original, kept = continuing.compose, []
 
     def spy(loaded, kernels=None, **options):
         kept.append(kernels)
-        return build(loaded, kernels, **options)
+        return original(loaded, kernels, **options)
 
-    monkeypatch.setattr(continuing, "build", spy)
+    monkeypatch.setattr(continuing, "compose", spy)
     assert call("resume", "out", "--until", "0.02").code == 0
     assert kept == ["numpy"]
     manifest = json.loads((swing / "out" / "manifest.json").read_text())

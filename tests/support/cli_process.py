@@ -24,7 +24,7 @@ ROOT = Path(__file__).resolve().parents[2]
 NURSERY = """
 import json, os, resource, sys
 import h5py
-import dismech_cli.output.writers, dismech_cli.cli.starting, dismech_cli.cli.continuing
+import dismech_cli.output.writers, dismech_cli.session.start, dismech_cli.session.resume
 from dismech_cli.cli.app import main
 
 def become(job):
