@@ -20,7 +20,6 @@ from ..scenario.text.tables import read_columns
 from ..sections.shells import edge_lengths
 from .bodies.geometry import Geometry, assemble_geometry
 from .bodies.joints import weld_joints
-from .bodies.masses import mass_matrix, point_masses
 from .bodies.selection import select_nodes
 from .elastic.rod_drives import build_rod_elastic
 from .elastic.rods import build_rods
@@ -35,6 +34,7 @@ from .observables.fields import Scene, build_fields, build_topology
 from .observables.probes import build_probe
 from .shells.topology import find_shell_edges
 from .structure.holds import resolve_holds
+from .structure.masses import mass_matrix, point_masses
 from .structure.numbering import number_dofs
 from .structure.plan import Plan, make_plan
 from .structure.prescribed import build_motions, initial_velocity

@@ -9,9 +9,9 @@ import numpy as np
 from ...forces.load import DeadLoad
 from ...model.term import Term
 from ...scenario.language.force import Buoyancy, Gravity, Point
-from ..bodies.masses import nodal_mass, nodal_volume
 from ..bodies.selection import select_nodes
 from ..laws import components
+from ..structure.masses import nodal_mass, nodal_volume
 from .followers import carried_at_nodes, follower_loads
 from .setting import Place, Setting, dead_loads
 

@@ -28,9 +28,9 @@ from ...scenario.language.force import (
 from ...sections.mass import nodal_lengths
 from ...sections.shells import edge_lengths, nodal_areas
 from ..bodies.geometry import Geometry
-from ..bodies.masses import nodal_mass
 from ..bodies.selection import select_nodes
 from ..laws import components, vanishes
+from ..structure.masses import nodal_mass
 from .followers import carried_by_sides, follower_loads
 from .setting import Place, Setting, dead_loads
 

@@ -9,8 +9,8 @@ from ...kinematics.dofs import DofMap
 from ...scenario.load import LoadedScenario
 from ...sections.mass import nodal_lengths, rod_mass
 from ...sections.shells import nodal_areas, shell_mass
-from .geometry import Geometry
-from .selection import select_nodes
+from ..bodies.geometry import Geometry
+from ..bodies.selection import select_nodes
 
 
 def mass_matrix(geometry: Geometry, dofs: DofMap, payload: FloatArray) -> FloatArray:
