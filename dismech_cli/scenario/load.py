@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -69,6 +69,10 @@ class LoadedScenario:
     def error(self, path: str | KeyPath, message: str) -> ScenarioError:
         """An error that points to a key path, for the caller to raise."""
         return ProblemsError([_problem(self.tree, as_path(path), message)])
+
+    def errors(self, findings: Iterable[tuple[KeyPath, str]]) -> ScenarioError:
+        """One error that tells several faults, each at its key path."""
+        return ProblemsError([_problem(self.tree, *finding) for finding in findings])
 
     def warning(self, path: str | KeyPath, message: str) -> str:
         """A doubt that points to a key path, as one line."""

@@ -11,7 +11,7 @@ import numpy as np
 from ...arrays import IntArray
 from ...scenario.language.joint import HingeJoint, RigidJoint
 from ...scenario.load import LoadedScenario
-from ...scenario.values.selection import SelectionPair
+from ...scenario.values.selection import JoinedPair
 from ...sections.shells import edge_lengths
 from .geometry import Geometry, ShellWeld
 from .selection import select_single_node
@@ -96,7 +96,7 @@ def weld_joints(loaded: LoadedScenario, geometry: Geometry) -> Geometry:
 
 
 def _pair(
-    loaded: LoadedScenario, geometry: Geometry, nodes: SelectionPair, near: float, path: tuple[str | int, ...]
+    loaded: LoadedScenario, geometry: Geometry, nodes: JoinedPair, near: float, path: tuple[str | int, ...]
 ) -> tuple[int, int]:
     """The two nodes of a joint.
 

@@ -9,7 +9,7 @@ from pydantic import Field
 
 from ..values.law import PLACES, LawOf, LawSpec
 from ..values.quantity import DirectionTriple, LengthTriple, Name, Quantity
-from ..values.selection import IndexRange, Selection
+from ..values.selection import IndexRange, SelectedNodes
 from ..values.spec import Spec
 
 _ALONG = ("t", "s")
@@ -61,7 +61,7 @@ class DihedralActuation(Spec):
 
     type: Literal["dihedral"] = Field(description="Kind of strain.")
     shell: Name = Field(description="Name of the shell.")
-    hinges: Selection | None = Field(
+    hinges: SelectedNodes | None = Field(
         default=None, description="Nodes: a hinge with both ends among them is driven; default: all."
     )
     tangential: Tangential | None = Field(default=None, description="Leaves only some of them.")
@@ -80,7 +80,7 @@ class SurfaceCurvatureActuation(Spec):
 
     type: Literal["surface_curvature"] = Field(description="Kind of strain.")
     shell: Name = Field(description="Name of the shell; it bends by `midedge` or `averaged` normals.")
-    where: Selection | None = Field(
+    where: SelectedNodes | None = Field(
         default=None, description="Nodes: a triangle with all corners among them is driven; default: all."
     )
     along: DirectionTriple = Field(description="Direction that bends, laid into each triangle.")

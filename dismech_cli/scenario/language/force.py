@@ -16,7 +16,7 @@ from ..values.law import (
     PressureLaw,
 )
 from ..values.quantity import DirectionTriple, Name, Quantity
-from ..values.selection import Selection
+from ..values.selection import SelectedNodes
 from ..values.spec import Spec
 
 BodyNames: TypeAlias = Annotated[tuple[Name, ...], Len(1, 10_000), Strict(False)]
@@ -57,7 +57,7 @@ class Point(Load):
     """A force on each selected node."""
 
     type: Literal["point"] = Field(description="Kind of load.")
-    where: Selection = Field(description="Nodes.")
+    where: SelectedNodes = Field(description="Nodes.")
     force: ForceLaws = Field(description="Force on each node.")
     follower: bool = Field(
         default=False,
@@ -70,7 +70,7 @@ class LineLoad(Load):
     """A force per length on the edges of shells between selected nodes, such as a side of a sheet."""
 
     type: Literal["line"] = Field(description="Kind of load.")
-    where: Selection = Field(description="Nodes; an edge with both ends among them is loaded.")
+    where: SelectedNodes = Field(description="Nodes; an edge with both ends among them is loaded.")
     force_per_length: ForcePerLengthLaws = Field(description="Force per rest length.")
     follower: bool = Field(
         default=False,
@@ -82,7 +82,7 @@ class LineMoment(Load):
     """A moment per length on the edges of shells with mid-edge bending between selected nodes."""
 
     type: Literal["line_moment"] = Field(description="Kind of load.")
-    where: Selection = Field(description="Nodes; an edge with both ends among them is loaded.")
+    where: SelectedNodes = Field(description="Nodes; an edge with both ends among them is loaded.")
     moment_per_length: MomentPerLengthLaws = Field(
         description="Moment per rest length, of fixed direction; turns right-handed."
     )
@@ -94,7 +94,7 @@ class Moment(Load):
     turns_rods = True
 
     type: Literal["moment"] = Field(description="Kind of load.")
-    where: Selection = Field(description="Ends or nodes.")
+    where: SelectedNodes = Field(description="Ends or nodes.")
     moment: MomentLaws = Field(description="Moment on each of them.")
 
 

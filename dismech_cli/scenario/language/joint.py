@@ -7,7 +7,7 @@ from typing import Annotated, Literal, TypeAlias
 from pydantic import Field, model_validator
 
 from ..values.quantity import PositiveLength
-from ..values.selection import Selection, SelectionPair
+from ..values.selection import JoinedNode, JoinedPair
 from ..values.spec import Spec, exactly_one, problem
 
 
@@ -18,7 +18,7 @@ class RigidJoint(Spec):
     """
 
     type: Literal["rigid"] = Field(description="Kind of joint.")
-    nodes: SelectionPair = Field(description="The two nodes.")
+    nodes: JoinedPair = Field(description="The two nodes.")
     release: Literal["bending", "twist"] | None = Field(
         default=None, description="What does not pass after all; for both, take `hinge`."
     )
@@ -37,8 +37,8 @@ class HingeJoint(Spec):
     """
 
     type: Literal["hinge"] = Field(description="Kind of joint.")
-    nodes: SelectionPair | None = Field(default=None, description="The two nodes; this or `where`.")
-    where: Selection | None = Field(default=None, description="A node within a rod; this or `nodes`.")
+    nodes: JoinedPair | None = Field(default=None, description="The two nodes; this or `where`.")
+    where: JoinedNode | None = Field(default=None, description="A node within a rod; this or `nodes`.")
     release: Literal["bending", "twist"] | None = Field(
         default=None, description="What alone does not pass at `where`; default: neither does."
     )

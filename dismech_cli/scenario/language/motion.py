@@ -9,7 +9,7 @@ from pydantic import Field, Strict, Tag, field_validator
 
 from ..values.law import AngleLaw, LengthLaws
 from ..values.quantity import Column, FileName, Time, VelocityTriple
-from ..values.selection import Selection
+from ..values.selection import SelectedEdges, SelectedNodes
 from ..values.spec import Spec, problem, told_by_key
 
 
@@ -21,7 +21,7 @@ class Clamp(Spec):
     """
 
     type: Literal["clamp"] = Field(description="Kind of motion.")
-    where: Selection = Field(description="What is held.")
+    where: SelectedNodes = Field(description="What is held.")
     at: Literal["node", "edge"] = Field(
         default="node",
         description="`edge` holds the whole edge next to a single node too, so its direction is fixed.",
@@ -35,7 +35,7 @@ class Pin(Spec):
     """Holds positions; rotation stays free."""
 
     type: Literal["pin"] = Field(description="Kind of motion.")
-    where: Selection = Field(description="What is held.")
+    where: SelectedNodes = Field(description="What is held.")
     components: Annotated[tuple[Literal["x", "y", "z"], ...], Len(1, 3), Strict(False)] = Field(
         default=("x", "y", "z"), description="Components held."
     )
@@ -54,7 +54,7 @@ class Twist(Spec):
     """Turns edges about the rod; positions stay free."""
 
     type: Literal["twist"] = Field(description="Kind of motion.")
-    where: Selection = Field(description="Edges: the end of a rod, or some of its edges.")
+    where: SelectedEdges = Field(description="Edges: the end of a rod, or some of its edges.")
     angle: AngleLaw = Field(description="Rotation from rest.")
     release: Time | None = Field(default=None, description="Time at which it lets go; default: never.")
 
@@ -68,7 +68,7 @@ class Symmetry(Spec):
     """
 
     type: Literal["symmetry"] = Field(description="Kind of motion.")
-    where: Selection = Field(description="Nodes in the plane.")
+    where: SelectedNodes = Field(description="Nodes in the plane.")
     normal: Literal["x", "y", "z"] = Field(description="Axis across the plane.")
 
     @property
@@ -92,7 +92,7 @@ class VelocityFile(Spec):
 class InitialVelocity(Spec):
     """Velocity at t = 0."""
 
-    where: Selection = Field(description="Nodes that move; the name of a rod means all of them.")
+    where: SelectedNodes = Field(description="Nodes that move; the name of a rod means all of them.")
     velocity: Annotated[
         Annotated[VelocityTriple, Tag("<one>")] | Annotated[VelocityFile, Tag("<file>")],
         told_by_key("file", scalar="<one>"),

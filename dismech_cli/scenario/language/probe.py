@@ -7,7 +7,7 @@ from typing import Annotated, Literal, TypeAlias
 from pydantic import Field, Tag
 
 from ..values.quantity import Name
-from ..values.selection import Selection, SelectionPair
+from ..values.selection import SelectedEdges, SelectedNodes, TwoPlaces
 from ..values.spec import Spec, tag, told_by_key
 
 Component: TypeAlias = Literal["x", "y", "z", "magnitude"]
@@ -16,28 +16,28 @@ Component: TypeAlias = Literal["x", "y", "z", "magnitude"]
 class DisplacementProbe(Spec):
     """Displacement from rest."""
 
-    displacement: Selection = Field(description="Nodes.")
+    displacement: SelectedNodes = Field(description="Nodes.")
     component: Component = Field(description="Component, or magnitude.")
 
 
 class PositionProbe(Spec):
     """Position."""
 
-    position: Selection = Field(description="Nodes.")
+    position: SelectedNodes = Field(description="Nodes.")
     component: Component = Field(description="Component, or magnitude.")
 
 
 class VelocityProbe(Spec):
     """Velocity."""
 
-    velocity: Selection = Field(description="Nodes.")
+    velocity: SelectedNodes = Field(description="Nodes.")
     component: Component = Field(description="Component, or magnitude.")
 
 
 class DistanceProbe(Spec):
     """Distance of two places."""
 
-    distance: SelectionPair = Field(description="The two places.")
+    distance: TwoPlaces = Field(description="The two places.")
 
 
 class MeanPositionProbe(Spec):
@@ -56,14 +56,14 @@ class EnergyProbe(Spec):
 class ReactionProbe(Spec):
     """Sum of the forces that hold the selected nodes."""
 
-    reaction: Selection = Field(description="Held nodes.")
+    reaction: SelectedNodes = Field(description="Held nodes.")
     component: Component = Field(description="Component, or magnitude.")
 
 
 class TwistProbe(Spec):
     """Rotation of an edge about the rod, from rest."""
 
-    twist: Selection = Field(description="An edge: the end of a rod, or one of its edges.")
+    twist: SelectedEdges = Field(description="An edge: the end of a rod, or one of its edges.")
 
 
 class StabilityProbe(Spec):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import Enum, auto
 from typing import Annotated, Any, TypeAlias
 
 from annotated_types import Len
@@ -15,6 +16,17 @@ from .spec import Spec, exactly_one, problem, tag, told_by_key
 
 IndexRange: TypeAlias = Annotated[tuple[Index, ...], Len(2, 2), Strict(False)]
 Indices: TypeAlias = Annotated[tuple[Index, ...], Len(1, 10_000_000), Strict(False)]
+
+
+class Selects(Enum):
+    """Marks a field by what its selections find."""
+
+    NODES = auto()
+    """Nodes, after joints made some of them one."""
+    EDGES = auto()
+    """Edges of rods."""
+    JOINED = auto()
+    """One node for a joint, of the bodies as they are before."""
 
 
 class IndexSet(Spec):
@@ -134,4 +146,10 @@ Selection: TypeAlias = Annotated[
     told_by_key("group", "nodes", "edges", "box", "plane", "sphere", "nearest", scalar=tag("group")),
     _TextToo(),
 ]
-SelectionPair: TypeAlias = Annotated[tuple[Selection, ...], Len(2, 2), Strict(False)]
+"""A selection as written; a field says with one of the marked ones below what it is for."""
+
+SelectedNodes: TypeAlias = Annotated[Selection, Selects.NODES]
+SelectedEdges: TypeAlias = Annotated[Selection, Selects.EDGES]
+JoinedNode: TypeAlias = Annotated[Selection, Selects.JOINED]
+TwoPlaces: TypeAlias = Annotated[tuple[SelectedNodes, ...], Len(2, 2), Strict(False)]
+JoinedPair: TypeAlias = Annotated[tuple[JoinedNode, ...], Len(2, 2), Strict(False)]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import cache
 from typing import Any, get_args
 
 from pydantic import BaseModel
@@ -14,6 +15,7 @@ from ..language.expect import Expectation, measured
 from ..text.tree import KeyPath
 from ..values.law import LawOf, TimeAndValue
 from ..values.quantity import FileReference, Quantity
+from ..values.selection import Selection, Selects
 
 
 def walk(value: Any, path: KeyPath = ()) -> Iterator[tuple[KeyPath, Any]]:
@@ -31,6 +33,48 @@ def walk(value: Any, path: KeyPath = ()) -> Iterator[tuple[KeyPath, Any]]:
                 yield from walk(child, (*path, i))
         case _:
             pass
+
+
+@dataclass(frozen=True, slots=True)
+class Selected:
+    """A selection of the scenario.
+
+    Attributes:
+        path: Key path.
+        finds: What it finds.
+        where: As written.
+    """
+
+    path: KeyPath
+    finds: Selects
+    where: Selection
+
+
+def selections(value: Any, path: KeyPath = (), finds: Selects | None = None) -> Iterator[Selected]:
+    """Every selection of a scenario, with what the mark of its field says that it finds."""
+    match value:
+        case BaseModel() if finds is not None:
+            yield Selected(path, finds, value)  # type: ignore[arg-type]  # by its mark
+        case BaseModel():
+            for name, key, mark in _selecting(type(value)):
+                yield from selections(getattr(value, name), (*path, key), mark)
+        case Mapping():
+            for key, child in value.items():
+                yield from selections(child, (*path, key), finds)
+        case tuple():
+            for i, child in enumerate(value):
+                yield from selections(child, (*path, i), finds)
+        case _:
+            pass
+
+
+@cache
+def _selecting(kind: type[BaseModel]) -> tuple[tuple[str, str, Selects | None], ...]:
+    """Name, key and mark of each field of a schema class."""
+    return tuple(
+        (name, field.alias or name, next((m for m in _marks(field) if isinstance(m, Selects)), None))
+        for name, field in kind.model_fields.items()
+    )
 
 
 @dataclass(frozen=True, slots=True)
