@@ -13,29 +13,39 @@ from typing import Protocol
 
 from ..arrays import FloatArray
 from ..laws.laws import Constant, Law, Ramp
+from ..scenario.language.numerics import Static
+from ..scenario.load import LoadedScenario
 from ..scenario.values.law import LawSpec, to_law
 
-Places = Mapping[str, FloatArray]
-_NOWHERE: Places = MappingProxyType({})
+Coordinates = Mapping[str, FloatArray]
+"""Values of the variables of space that an expression may use."""
+
+_NOWHERE: Coordinates = MappingProxyType({})
 
 
 class ToLaw(Protocol):
     """Makes the runtime law of a scenario law."""
 
-    def __call__(self, spec: LawSpec, places: Places = ...) -> Law:
-        """The law; ``places`` are the variables of space that its expression may use."""
+    def __call__(self, spec: LawSpec, at: Coordinates = ...) -> Law:
+        """The law, at the places of these coordinates."""
+
+
+def make_laws(loaded: LoadedScenario) -> ToLaw:
+    """How the laws of a scenario are to be taken."""
+    static = isinstance(loaded.scenario.numerics.integrator, Static)
+    return (static_laws if static else dynamic_laws)(loaded.directory)
 
 
 def dynamic_laws(directory: Path) -> ToLaw:
     """Laws as written."""
-    return lambda spec, places=_NOWHERE: to_law(spec, directory, places)
+    return lambda spec, at=_NOWHERE: to_law(spec, directory, at)
 
 
 def static_laws(directory: Path) -> ToLaw:
     """Constants become ramps over the load parameter."""
 
-    def convert(spec: LawSpec, places: Places = _NOWHERE) -> Law:
-        law = to_law(spec, directory, places)
+    def convert(spec: LawSpec, at: Coordinates = _NOWHERE) -> Law:
+        law = to_law(spec, directory, at)
         if isinstance(law, Constant) and law.value != 0.0:
             return Ramp(before=0.0, after=law.value, start=0.0, end=1.0)
         return law

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from ..arrays import FloatArray
 from ..kernels.driver import Driver
 from ..kernels.numba_driver import NumbaDriver
 from ..kernels.numpy_driver import NumpyDriver
-from ..scenario.language import numerics as said
+from ..run.clock import time_grid
+from ..scenario.language import numerics
 from ..scenario.load import LoadedScenario
-from ..solve import integrators as made
+from ..solve import integrators
 from ..solve.linear.pardiso import pardiso_available
 from ..solve.newton import NewtonSettings
 from ..solve.tangents import TANGENTS
@@ -15,24 +17,24 @@ from ..solve.tangents import TANGENTS
 DRIVERS: dict[str, type[NumpyDriver] | type[NumbaDriver]] = {"numpy": NumpyDriver, "numba": NumbaDriver}
 
 
-def build_integrator(spec: said.Integrator) -> made.Integrator:
+def build_integrator(spec: numerics.Integrator) -> integrators.Integrator:
     """The time integrator."""
     match spec:
-        case said.Static():
-            return made.Static()
-        case said.ImplicitEuler():
-            return made.ImplicitEuler()
-        case said.ImplicitMidpoint():
-            return made.ImplicitMidpoint()
-        case said.Newmark():
-            return made.Newmark(spec.beta, spec.gamma)
-        case said.GeneralizedAlpha():
-            return made.GeneralizedAlpha(spec.spectral_radius)
-        case said.TrBdf2():
-            return made.TrBdf2()
+        case numerics.Static():
+            return integrators.Static()
+        case numerics.ImplicitEuler():
+            return integrators.ImplicitEuler()
+        case numerics.ImplicitMidpoint():
+            return integrators.ImplicitMidpoint()
+        case numerics.Newmark():
+            return integrators.Newmark(spec.beta, spec.gamma)
+        case numerics.GeneralizedAlpha():
+            return integrators.GeneralizedAlpha(spec.spectral_radius)
+        case numerics.TrBdf2():
+            return integrators.TrBdf2()
 
 
-def build_newton(spec: said.Newton) -> NewtonSettings:
+def build_newton(spec: numerics.Newton) -> NewtonSettings:
     """The nonlinear solver."""
     return NewtonSettings(spec.tolerance, spec.max_iterations, TANGENTS[spec.projection])
 
@@ -53,3 +55,16 @@ def check_linear_solver(loaded: LoadedScenario) -> None:
             ("numerics", "linear_solver"),
             "pypardiso with its MKL library is not installed: pip install pypardiso, or choose auto",
         )
+
+
+def times(loaded: LoadedScenario) -> tuple[FloatArray, float]:
+    """Nominal times of the run [s], shape (steps + 1,), and the time between frames."""
+    scenario = loaded.scenario
+    every, integrator = scenario.output.every, scenario.numerics.integrator
+    if isinstance(integrator, numerics.Static):
+        return time_grid(1.0 / integrator.load_steps, 1.0), every or 0.0
+    dt, t_end = scenario.numerics.dt, scenario.numerics.t_end
+    assert dt is not None
+    assert t_end is not None
+    releases = tuple(m.release for m in scenario.motions if m.release is not None)
+    return time_grid(dt, t_end, releases), every or t_end / 100.0

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
@@ -11,21 +11,43 @@ import numpy as np
 from ...arrays import IntArray
 from ...scenario.language.joint import HingeJoint, RigidJoint
 from ...scenario.load import LoadedScenario
-from ...scenario.values.selection import JoinedPair
+from ...scenario.text.tree import KeyPath
+from ...scenario.values.selection import Selects
 from ...sections.shells import edge_lengths
 from .geometry import Geometry, ShellWeld
-from .selection import select_single_node
+from .selection import select_all
 
 # Nodes of a joint must coincide to this fraction of the shortest edge.
 _COINCIDENT = 1e-6
+
+
+@dataclass(frozen=True, slots=True)
+class _Apart:
+    """The bodies before they are joined: what joints name is still two nodes, not one.
+
+    Attributes:
+        loaded: The scenario.
+        geometry: The bodies.
+        selected: The node that each selection of a joint finds, shape (1,).
+        near: Distance [m] up to which nodes coincide.
+    """
+
+    loaded: LoadedScenario
+    geometry: Geometry
+    selected: Mapping[KeyPath, IntArray]
+    near: float
+
+    def node(self, *path: str | int) -> int:
+        """The node that the joint selects under a key."""
+        return int(self.selected[path][0])
 
 
 def weld_joints(loaded: LoadedScenario, geometry: Geometry) -> Geometry:
     """Merge the nodes of joints, and those that a shell shares with other bodies of its file.
 
     Raises:
-        ScenarioError: Two nodes of a joint do not coincide, or it is rigid and one is on a shell but the
-            other is on no rod.
+        ScenarioError: A joint selects no single node, its two nodes do not coincide, or it is rigid and
+            one is on a shell but the other is on no rod.
     """
     target = np.arange(len(geometry.nodes))
     hinges: list[int] = []
@@ -38,22 +60,22 @@ def weld_joints(loaded: LoadedScenario, geometry: Geometry) -> Geometry:
     for a, b in shared:
         target[target == target[b]] = target[a]
         rod_hinges.append(a)
-    near = _COINCIDENT * _shortest(geometry)
+    selected = select_all(loaded, geometry, Selects.JOINED)[Selects.JOINED]
+    apart = _Apart(loaded, geometry, selected, _COINCIDENT * _shortest(geometry))
     for index, joint in enumerate(loaded.scenario.joints):
         path = ("joints", index)
         if isinstance(joint, HingeJoint) and joint.where is not None:
-            node = select_single_node(loaded, geometry, joint.where, (*path, "where"))
+            node = apart.node(*path, "where")
             (hinges if joint.release is None else loosened[joint.release]).append(node)
             continue
-        assert joint.nodes is not None
-        a, b = _pair(loaded, geometry, joint.nodes, near, (*path, "nodes"))
+        a, b = _pair(apart, index)
         target[target == target[b]] = target[a]
         if isinstance(joint, HingeJoint):
             rod_hinges.append(a)
             continue
         on_shell = np.isin((a, b), geometry.triangles)
         if on_shell.any():
-            welds += _shell_welds(loaded, geometry, index, (b, a) if on_shell[0] else (a, b))
+            welds += _shell_welds(apart, index, (b, a) if on_shell[0] else (a, b))
             continue
         if joint.footprint is not None:
             raise loaded.error((*path, "footprint"), "neither node is on a shell")
@@ -95,46 +117,44 @@ def weld_joints(loaded: LoadedScenario, geometry: Geometry) -> Geometry:
     )
 
 
-def _pair(
-    loaded: LoadedScenario, geometry: Geometry, nodes: JoinedPair, near: float, path: tuple[str | int, ...]
-) -> tuple[int, int]:
+def _pair(apart: _Apart, index: int) -> tuple[int, int]:
     """The two nodes of a joint.
 
     Where the second selection finds the first node again, as the nearest to a point may, it means the
     one other node at that place.
     """
-    a, b = (select_single_node(loaded, geometry, side, (*path, k)) for k, side in enumerate(nodes))
+    path = ("joints", index, "nodes")
+    nodes = apart.geometry.nodes
+    a, b = apart.node(*path, 0), apart.node(*path, 1)
     if a == b:
-        gaps = np.linalg.norm(geometry.nodes - geometry.nodes[a], axis=1)
-        others = np.setdiff1d(np.flatnonzero(gaps <= near), [a])
+        gaps = np.linalg.norm(nodes - nodes[a], axis=1)
+        others = np.setdiff1d(np.flatnonzero(gaps <= apart.near), [a])
         if len(others) != 1:
-            raise loaded.error(
+            raise apart.loaded.error(
                 path, f"both select one node, and {len(others)} others are at its place; expected one"
             )
         b = int(others[0])
-    gap = float(np.linalg.norm(geometry.nodes[a] - geometry.nodes[b]))
-    if gap > near:
-        raise loaded.error(path, f"the two nodes are {gap:.3g} m apart; a joint needs them to coincide")
+    gap = float(np.linalg.norm(nodes[a] - nodes[b]))
+    if gap > apart.near:
+        raise apart.loaded.error(path, f"the two nodes are {gap:.3g} m apart; a joint needs them to coincide")
     return a, b
 
 
-def _shell_welds(
-    loaded: LoadedScenario, geometry: Geometry, index: int, nodes: tuple[int, int]
-) -> list[ShellWeld]:
+def _shell_welds(apart: _Apart, index: int, nodes: tuple[int, int]) -> list[ShellWeld]:
     """The edges of a rod at the first node, which turn with the shell at the second.
 
     Within a rod there are two. Each bends and twists over its half, as two springs in a row do: with a
     shell that gives way between them they are the rod's own joint.
     """
     path = ("joints", index)
-    edges = np.flatnonzero((geometry.edges == nodes[0]).any(axis=1))
+    edges = np.flatnonzero((apart.geometry.edges == nodes[0]).any(axis=1))
     if len(edges) == 0:
-        raise loaded.error(
+        raise apart.loaded.error(
             (*path, "nodes"), "a rigid joint welds rods, or a rod to a shell; for two shells take 'hinge'"
         )
-    joint = loaded.scenario.joints[index]
+    joint = apart.loaded.scenario.joints[index]
     if len(edges) > 1 and isinstance(joint, RigidJoint) and joint.release is not None:
-        raise loaded.error(
+        raise apart.loaded.error(
             (*path, "release"),
             f"{len(edges)} edges of a rod meet here, between which {joint.release} must pass; "
             "only its end may be released from a shell",

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 import numpy as np
 
 from ...arrays import IntArray
 from ...scenario.load import LoadedScenario
+from ...scenario.text.tree import KeyPath
 from ...scenario.values.selection import (
     BoxSelection,
     EdgeSelection,
@@ -17,27 +18,52 @@ from ...scenario.values.selection import (
     NodeSelection,
     PlaneSelection,
     Selection,
+    Selects,
     SphereSelection,
 )
+from ...scenario.views.walk import selections
 from ...words import hint, listed
 from .geometry import Geometry
 
-KeyPath = tuple[str | int, ...]
+
+class SelectionError(ValueError):
+    """A selection names what does not exist, or finds the wrong number of things."""
 
 
-def select_nodes(loaded: LoadedScenario, geometry: Geometry, where: Selection, path: KeyPath) -> IntArray:
+def select_all(
+    loaded: LoadedScenario, geometry: Geometry, *wanted: Selects
+) -> dict[Selects, dict[KeyPath, IntArray]]:
+    """All selections of the scenario that find the wanted things, each resolved once.
+
+    Raises:
+        ScenarioError: All of them that name an unknown group or number, or select nothing.
+    """
+    found: dict[Selects, dict[KeyPath, IntArray]] = {finds: {} for finds in wanted}
+    faults: list[tuple[KeyPath, str]] = []
+    for one in selections(loaded.scenario):
+        if one.finds in found:
+            try:
+                found[one.finds][one.path] = SELECT[one.finds](geometry, one.where)
+            except SelectionError as error:
+                faults.append((one.path, str(error)))
+    if faults:
+        raise loaded.errors(faults)
+    return found
+
+
+def select_nodes(geometry: Geometry, where: Selection) -> IntArray:
     """Node indices of a selection, ascending without repeats.
 
     Raises:
-        ScenarioError: It names an unknown group or number, or selects nothing.
+        SelectionError: It names an unknown group or number, or selects nothing.
     """
     match where:
         case GroupSelection(group=name):
-            found = _group(loaded, geometry.node_groups, name, path)
+            found = _group(geometry.node_groups, name)
         case NodeSelection(nodes=which):
-            found = _numbered(loaded, geometry.body_nodes[which.of], which, "node", path)
+            found = _numbered(geometry.body_nodes[which.of], which, "node")
         case EdgeSelection(edges=which):
-            found = geometry.edges[_numbered(loaded, geometry.rod_edges[which.of], which, "edge", path)]
+            found = geometry.edges[_numbered(geometry.rod_edges[which.of], which, "edge")]
         case BoxSelection(box=box):
             inside = (geometry.nodes >= box.min) & (geometry.nodes <= box.max)
             found = np.flatnonzero(inside.all(axis=1))
@@ -49,40 +75,47 @@ def select_nodes(loaded: LoadedScenario, geometry: Geometry, where: Selection, p
         case NearestSelection(nearest=point):
             found = np.array([np.argmin(np.linalg.norm(geometry.nodes - point, axis=1))])
     if found.size == 0:
-        raise loaded.error(path, "selects no node")
+        raise SelectionError("selects no node")
     return np.unique(found)
 
 
-def select_edges(loaded: LoadedScenario, geometry: Geometry, where: Selection, path: KeyPath) -> IntArray:
+def select_edges(geometry: Geometry, where: Selection) -> IntArray:
     """Edge indices of a selection: named edges, or all edges between selected nodes.
 
     The end of a rod (a single node) means the edge that ends there.
 
     Raises:
-        ScenarioError: It selects no edge.
+        SelectionError: It names an unknown group or number, or selects no edge.
     """
     match where:
         case GroupSelection(group=name):
-            found = _group(loaded, geometry.edge_groups, name, path)
+            found = _group(geometry.edge_groups, name)
         case EdgeSelection(edges=which):
-            found = _numbered(loaded, geometry.rod_edges[which.of], which, "edge", path)
+            found = _numbered(geometry.rod_edges[which.of], which, "edge")
         case _:
-            found = edges_among(geometry, select_nodes(loaded, geometry, where, path))
+            found = edges_among(geometry, select_nodes(geometry, where))
     if found.size == 0:
-        raise loaded.error(path, "selects no edge")
+        raise SelectionError("selects no edge")
     return np.unique(found)
 
 
-def select_single_node(loaded: LoadedScenario, geometry: Geometry, where: Selection, path: KeyPath) -> int:
-    """The one node of a selection.
+def select_single_node(geometry: Geometry, where: Selection) -> IntArray:
+    """The one node of a selection, shape (1,).
 
     Raises:
-        ScenarioError: It selects none or several.
+        SelectionError: It selects none or several.
     """
-    found = select_nodes(loaded, geometry, where, path)
+    found = select_nodes(geometry, where)
     if len(found) != 1:
-        raise loaded.error(path, f"selects {len(found)} nodes; expected one")
-    return int(found[0])
+        raise SelectionError(f"selects {len(found)} nodes; expected one")
+    return found
+
+
+SELECT: Mapping[Selects, Callable[[Geometry, Selection], IntArray]] = {
+    Selects.NODES: select_nodes,
+    Selects.EDGES: select_edges,
+    Selects.JOINED: select_single_node,
+}
 
 
 def edges_among(geometry: Geometry, nodes: IntArray) -> IntArray:
@@ -91,24 +124,21 @@ def edges_among(geometry: Geometry, nodes: IntArray) -> IntArray:
     return np.flatnonzero(touched.any(axis=1) if len(nodes) == 1 else touched.all(axis=1))
 
 
-def _group(loaded: LoadedScenario, groups: Mapping[str, IntArray], name: str, path: KeyPath) -> IntArray:
+def _group(groups: Mapping[str, IntArray], name: str) -> IntArray:
     if name not in groups:
         tail = hint(name, groups) or f"; known: {listed(sorted(groups), 'and')}"
-        raise loaded.error(path, f"no group '{name}'{tail}")
+        raise SelectionError(f"no group '{name}'{tail}")
     return groups[name]
 
 
-def _numbered(
-    loaded: LoadedScenario, members: IntArray, which: IndexSet, what: str, path: KeyPath
-) -> IntArray:
+def _numbered(members: IntArray, which: IndexSet, what: str) -> IntArray:
     wanted = (
         np.array(which.indices)
         if which.indices is not None
         else np.arange(which.range[0], which.range[1] + 1)  # type: ignore[index]
     )
     if wanted.max() >= len(members):
-        raise loaded.error(
-            path,
-            f"{what} {wanted.max()} of '{which.of}' does not exist; it has {len(members)}, counted from 0",
+        raise SelectionError(
+            f"{what} {wanted.max()} of '{which.of}' does not exist; it has {len(members)}, counted from 0"
         )
     return members[wanted]

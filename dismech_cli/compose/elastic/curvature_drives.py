@@ -9,60 +9,52 @@ import numpy as np
 from ...arrays import FloatArray
 from ...model.driven import Drive
 from ...scenario.language.actuation import SurfaceCurvatureActuation
-from ...scenario.language.geometry import Shell
-from ...scenario.load import LoadedScenario
 from ...sections.shells import angles_of_curvature
-from ..bodies.geometry import Geometry
-from ..bodies.selection import select_nodes
-from ..laws import ToLaw
+from ..scene import Scene
 from ..shells.bending import bending_of
+from ..shells.body import ShellBody
 
 # A direction this close to the normal, by its sine, lies in no triangle.
 _UPRIGHT = 1e-6
 
 
 def curvature_drives(
-    loaded: LoadedScenario,
-    geometry: Geometry,
-    shell: Shell,
-    index: int,
-    actuation: SurfaceCurvatureActuation,
-    laws: ToLaw,
+    scene: Scene, body: ShellBody, index: int, actuation: SurfaceCurvatureActuation
 ) -> Iterator[Drive]:
     """Drives of the natural angles at the sides of triangles: linear in the curvature.
 
     Raises:
         ScenarioError: The shell knows no curvature, no triangle is driven, or ``along`` stands on one.
     """
-    path = ("actuation", index)
+    path, shell, nodes = ("actuation", index), body.shell, scene.geometry.nodes
     factor = bending_of(shell).curvature_factor
     if factor is None:
-        raise loaded.error(
+        raise scene.error(
             (*path, "shell"),
             f"bending '{shell.bending}' of '{shell.name}' knows no curvature; take 'dihedral', or bending: "
             "midedge",
         )
-    triangles = geometry.triangles[geometry.triangles_of(shell.name)]
+    triangles = body.triangles
     stencils = np.arange(len(triangles))
     if actuation.where is not None:
-        nodes = select_nodes(loaded, geometry, actuation.where, (*path, "where"))
-        stencils = np.flatnonzero(np.isin(triangles, nodes).all(axis=1))
+        inside = np.isin(triangles, scene.places.nodes((*path, "where")))
+        stencils = np.flatnonzero(inside.all(axis=1))
         if stencils.size == 0:
-            raise loaded.error((*path, "where"), f"holds no whole triangle of shell '{shell.name}'")
+            raise scene.error((*path, "where"), f"holds no whole triangle of shell '{shell.name}'")
     driven = triangles[stencils]
-    along, across = _directions(geometry.nodes[driven], np.array(actuation.along))
+    along, across = _directions(nodes[driven], np.array(actuation.along))
     if not np.isfinite(along).all():
-        raise loaded.error((*path, "along"), f"stands normal to a triangle of shell '{shell.name}'")
-    x, y, z = geometry.nodes[driven].mean(axis=1).T
-    places = {"x": x, "y": y, "z": z, "r": np.hypot(x, y)}
+        raise scene.error((*path, "along"), f"stands normal to a triangle of shell '{shell.name}'")
+    x, y, z = nodes[driven].mean(axis=1).T
+    at = {"x": x, "y": y, "z": z, "r": np.hypot(x, y)}
     for direction, value in ((along, actuation.value), (across, actuation.across)):
         if value == 0.0:
             continue
         tensor = direction[:, :, None] * direction[:, None, :]
         # the shape operator is positive where normals diverge: on the other side
-        angles = -factor * angles_of_curvature(geometry.nodes, driven, tensor)
+        angles = -factor * angles_of_curvature(nodes, driven, tensor)
         for row, factors in enumerate(angles):
-            yield Drive(row, stencils, laws(value, places), np.zeros(len(stencils)), factors)
+            yield Drive(row, stencils, scene.laws(value, at), np.zeros(len(stencils)), factors)
 
 
 def _directions(corners: FloatArray, wanted: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -10,53 +10,39 @@ from ...arrays import BoolArray, FloatArray, IntArray
 from ...mesh.topology.shells import ShellTopology
 from ...model.driven import Drive
 from ...scenario.language.actuation import DihedralActuation, Tangential
-from ...scenario.language.geometry import Shell
-from ...scenario.load import LoadedScenario
-from ..bodies.geometry import Geometry
-from ..bodies.selection import select_nodes
-from ..laws import ToLaw
+from ..scene import Scene
 from ..shells.bending import bending_of
+from ..shells.body import ShellBody
 
 
 def hinge_drives(
-    loaded: LoadedScenario,
-    geometry: Geometry,
-    shell: Shell,
-    topology: ShellTopology,
-    index: int,
-    actuation: DihedralActuation,
-    laws: ToLaw,
+    scene: Scene, body: ShellBody, index: int, actuation: DihedralActuation
 ) -> tuple[Drive, ...]:
     """Drives of the bending energy of a shell, whichever it is.
 
     Raises:
         ScenarioError: The actuation drives no hinge.
     """
-    hinges = _driven_hinges(loaded, geometry, topology, index, actuation)
-    return tuple(_drives(geometry, shell, topology, hinges, actuation, laws))
+    hinges = _driven_hinges(scene, body.topology, index, actuation)
+    return tuple(_drives(scene, body, hinges, actuation))
 
 
 def _driven_hinges(
-    loaded: LoadedScenario,
-    geometry: Geometry,
-    topology: ShellTopology,
-    index: int,
-    actuation: DihedralActuation,
+    scene: Scene, topology: ShellTopology, index: int, actuation: DihedralActuation
 ) -> IntArray:
     """Hinges of a shell that an actuation drives, in the order that s counts."""
-    path = ("actuation", index)
+    path, nodes = ("actuation", index), scene.geometry.nodes
     edges = topology.hinges[:, :2]
-    middle = geometry.nodes[edges].mean(axis=1)
+    middle = nodes[edges].mean(axis=1)
     chosen = np.ones(len(edges), dtype=np.bool_)
     if actuation.hinges is not None:
-        nodes = select_nodes(loaded, geometry, actuation.hinges, (*path, "hinges"))
-        chosen &= np.isin(edges, nodes).all(axis=1)
+        chosen &= np.isin(edges, scene.places.nodes((*path, "hinges"))).all(axis=1)
     if actuation.tangential is not None:
-        along = geometry.nodes[edges[:, 1]] - geometry.nodes[edges[:, 0]]
+        along = nodes[edges[:, 1]] - nodes[edges[:, 0]]
         chosen &= _across(along, middle, actuation.tangential)
     hinges = np.flatnonzero(chosen)
     if hinges.size == 0:
-        raise loaded.error(path, f"drives no hinge of shell '{actuation.shell}', which has {len(edges)}")
+        raise scene.error(path, f"drives no hinge of shell '{actuation.shell}', which has {len(edges)}")
     if actuation.order_by is None:
         return hinges
     return hinges[np.argsort(middle[hinges] @ np.array(actuation.order_by), kind="stable")]
@@ -71,22 +57,15 @@ def _across(along: FloatArray, middle: FloatArray, wanted: Tangential) -> BoolAr
     return across
 
 
-def _drives(
-    geometry: Geometry,
-    shell: Shell,
-    topology: ShellTopology,
-    hinges: IntArray,
-    actuation: DihedralActuation,
-    laws: ToLaw,
-) -> Iterator[Drive]:
+def _drives(scene: Scene, body: ShellBody, hinges: IntArray, actuation: DihedralActuation) -> Iterator[Drive]:
     """Drives of the natural angles; an energy of faces meets each hinge at two, as one of their sides."""
-    bending = bending_of(shell)
+    bending, topology = bending_of(body.shell), body.topology
     place = np.arange(len(hinges)) / max(len(hinges) - 1, 1)
-    x, y, z = geometry.nodes[topology.hinges[hinges, :2]].mean(axis=1).T
+    x, y, z = scene.geometry.nodes[topology.hinges[hinges, :2]].mean(axis=1).T
 
     def drive(row: int, stencils: IntArray, members: IntArray) -> Drive:
         at = {"x": x[members], "y": y[members], "z": z[members], "r": np.hypot(x, y)[members]}
-        law = laws(actuation.value, at)
+        law = scene.laws(actuation.value, at)
         factors = np.full(len(members), bending.dihedral_factor)
         return Drive(row, stencils, law, place[members], factors)
 

@@ -13,17 +13,15 @@ from ...scenario.language.actuation import (
     SurfaceCurvatureActuation,
     TwistActuation,
 )
-from ...scenario.load import LoadedScenario
-from ..bodies.geometry import Geometry
-from ..laws import ToLaw
-from ..shells.topology import ShellEdges
+from ..scene import Scene
+from ..structure.structure import Structure
 from .curvature_drives import curvature_drives
 from .hinge_drives import hinge_drives
-from .shells import ShellSystem
+from .shells import ShellEnergies
 
 
-def build_shell_elastic(
-    loaded: LoadedScenario, geometry: Geometry, free: ShellEdges, shells: ShellSystem, laws: ToLaw
+def driven_shells(
+    scene: Scene, structure: Structure, shells: ShellEnergies
 ) -> tuple[StencilEnergy | DrivenEnergy, ...]:
     """The elastic energies of the shells.
 
@@ -31,14 +29,13 @@ def build_shell_elastic(
         ScenarioError: An actuation drives nothing, or what it cannot drive.
     """
     drives: dict[str, list[Drive]] = {name: [] for name in shells.bending}
-    named = {shell.name: shell for shell in geometry.shells}
-    for index, actuation in enumerate(loaded.scenario.actuation):
+    bodies = structure.shell_edges.bodies
+    for index, actuation in enumerate(scene.scenario.actuation):
         match actuation:
             case DihedralActuation(shell=name):
-                topology = free.topologies[name]
-                drives[name] += hinge_drives(loaded, geometry, named[name], topology, index, actuation, laws)
+                drives[name] += hinge_drives(scene, bodies[name], index, actuation)
             case SurfaceCurvatureActuation(shell=name):
-                drives[name] += curvature_drives(loaded, geometry, named[name], index, actuation, laws)
+                drives[name] += curvature_drives(scene, bodies[name], index, actuation)
             case StretchActuation() | CurvatureActuation() | TwistActuation():  # of a rod
                 continue
             case _:

@@ -14,31 +14,28 @@ from ...energies.rod_shell import rod_shell_terms
 from ...kinematics.rod_frames import RodFrames
 from ...model.stencil import StencilEnergy
 from ...scenario.language.joint import RigidJoint
-from ...scenario.load import LoadedScenario
 from ..bodies.geometry import Geometry, ShellWeld
-from ..structure.numbering import Numbering
-from ..structure.skeleton import Skeleton
-from .rods import RodSystem
+from ..scene import Scene
+from ..structure.structure import Structure
 
 
-def build_shell_welds(
-    loaded: LoadedScenario, geometry: Geometry, skeleton: Skeleton, numbering: Numbering, rods: RodSystem
-) -> tuple[StencilEnergy, ...]:
+def weld_energies(scene: Scene, structure: Structure) -> tuple[StencilEnergy, ...]:
     """The energies of all welds.
 
     Raises:
         ScenarioError: A rod runs along the only triangles that it could turn with.
     """
+    geometry, dofs, frames = scene.geometry, structure.dofs, structure.rod_frames
     if not geometry.shell_welds:
         return ()
     far, faces, share, stiffness = [], [], [], []
     for weld in geometry.shell_welds:
-        joint = loaded.scenario.joints[weld.joint]
+        joint = scene.scenario.joints[weld.joint]
         assert isinstance(joint, RigidJoint)
         other = int(geometry.edges[weld.edge].sum()) - weld.node
         found = _faces(geometry, weld, other, _footprint(geometry, weld, joint))
         if len(found) == 0:
-            raise loaded.error(
+            raise scene.error(
                 ("joints", weld.joint), "the rod lies along every triangle around this node; weld another"
             )
         far.append(np.full(len(found), other))
@@ -48,16 +45,16 @@ def build_shell_welds(
     counts = [len(found) for found in faces]
     edge = np.repeat([weld.edge for weld in geometry.shell_welds], counts)
     node = np.repeat([weld.node for weld in geometry.shell_welds], counts)
-    assert isinstance(rods.frames, RodFrames)
-    places = rods.frames.director_places(edge)
-    rest = rods.frames.transport(rods.frames.rest(numbering.rest), numbering.rest)
+    assert isinstance(frames, RodFrames)
+    places = frames.director_places(edge)
+    rest = frames.transport(frames.rest(structure.rest), structure.rest)
     return rod_shell_terms(
         "welds",
-        numbering.dofs,
-        skeleton.positions,
+        dofs,
+        structure.positions,
         np.column_stack((np.concatenate(far), node)),
         geometry.triangles[np.concatenate(faces)],
-        numbering.dofs.of_angles(edge),
+        dofs.of_angles(edge),
         np.where(geometry.edges[edge, 1] == node, 1.0, -1.0),
         rest.auxiliary[places].reshape(-1, 2, 3).transpose(1, 0, 2),
         np.repeat(np.array(stiffness).T, counts, axis=1) * np.concatenate(share),

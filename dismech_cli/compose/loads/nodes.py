@@ -9,35 +9,35 @@ import numpy as np
 from ...forces.load import DeadLoad
 from ...model.term import Term
 from ...scenario.language.force import Buoyancy, Gravity, Point
-from ..bodies.selection import select_nodes
-from ..laws import components
+from ..scene import Scene
 from ..structure.masses import nodal_mass, nodal_volume
+from ..structure.structure import Structure
 from .followers import carried_at_nodes, follower_loads
-from .setting import Place, Setting, dead_loads
+from .vectors import Place, Vector, dead_loads
 
 
-def gravity(setting: Setting, place: Place, force: Gravity) -> Iterator[DeadLoad]:
+def gravity(scene: Scene, structure: Structure, place: Place, force: Gravity) -> Iterator[DeadLoad]:
     """Weight of the bodies and of their payload."""
-    mass = nodal_mass(setting.geometry, setting.dofs.n_nodes, setting.payload)
-    vector = components(force.acceleration, setting.laws)
-    return dead_loads(setting, place.name, place.key("acceleration"), vector, mass)
+    mass = nodal_mass(scene.geometry, structure.dofs.n_nodes, structure.payload)
+    vector = Vector.of(scene, place.name, place.key("acceleration"), force.acceleration)
+    return dead_loads(scene, structure, vector, mass)
 
 
-def buoyancy(setting: Setting, place: Place, force: Buoyancy) -> Iterator[DeadLoad]:
+def buoyancy(scene: Scene, structure: Structure, place: Place, force: Buoyancy) -> Iterator[DeadLoad]:
     """Lift against each gravity of the scene."""
-    volume = nodal_volume(setting.geometry, setting.dofs.n_nodes)
-    for number, other in enumerate(setting.loaded.scenario.forces):
+    volume = nodal_volume(scene.geometry, structure.dofs.n_nodes)
+    for number, other in enumerate(scene.scenario.forces):
         if isinstance(other, Gravity):
             name = f"{place.name} in {Place.of(number, other).name}"
-            vector = components(other.acceleration, setting.laws)
-            yield from dead_loads(setting, name, place.key(), vector, -force.fluid_density * volume)
+            vector = Vector.of(scene, name, place.key(), other.acceleration)
+            yield from dead_loads(scene, structure, vector, -force.fluid_density * volume)
 
 
-def point(setting: Setting, place: Place, force: Point) -> Iterator[Term]:
+def point(scene: Scene, structure: Structure, place: Place, force: Point) -> Iterator[Term]:
     """The same force on each selected node."""
-    nodes = select_nodes(setting.loaded, setting.geometry, force.where, place.key("where"))
-    path, vector = place.key("force"), components(force.force, setting.laws)
+    nodes = scene.places.nodes(place.key("where"))
+    vector = Vector.of(scene, place.name, place.key("force"), force.force)
     if force.follower:
-        return follower_loads(setting, place.name, path, vector, carried_at_nodes(setting, nodes))
-    once = np.bincount(nodes, minlength=setting.dofs.n_nodes).astype(np.float64)
-    return dead_loads(setting, place.name, path, vector, once)
+        return follower_loads(scene, structure, vector, carried_at_nodes(scene, structure, nodes))
+    once = np.bincount(nodes, minlength=structure.dofs.n_nodes).astype(np.float64)
+    return dead_loads(scene, structure, vector, once)

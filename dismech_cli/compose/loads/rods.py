@@ -14,46 +14,47 @@ from ...model.term import Term
 from ...scenario.language.force import Distributed, Moment, Resistive, Viscous
 from ...sections.mass import nodal_lengths
 from ..bodies.geometry import Geometry
-from ..bodies.selection import select_nodes
 from ..laws import components, vanishes
+from ..scene import Scene
+from ..structure.structure import Structure
 from .followers import carried_by_edges, follower_loads
-from .setting import Place, Setting, dead_loads
+from .vectors import Place, Vector, dead_loads
 
 
-def distributed(setting: Setting, place: Place, force: Distributed) -> Iterator[Term]:
+def distributed(scene: Scene, structure: Structure, place: Place, force: Distributed) -> Iterator[Term]:
     """A force per rest length."""
-    path, vector = place.key("force_per_length"), components(force.force_per_length, setting.laws)
+    vector = Vector.of(scene, place.name, place.key("force_per_length"), force.force_per_length)
     if force.follower:
-        carried = carried_by_edges(setting, _selected(setting.geometry, force.rods))
-        return follower_loads(setting, place.name, path, vector, [carried])
-    return dead_loads(setting, place.name, path, vector, _nodal_lengths(setting, force.rods))
+        carried = carried_by_edges(scene, structure, _selected(scene.geometry, force.rods))
+        return follower_loads(scene, structure, vector, [carried])
+    return dead_loads(scene, structure, vector, _nodal_lengths(scene, structure, force.rods))
 
 
-def viscous(setting: Setting, place: Place, force: Viscous) -> Iterator[Term]:
+def viscous(scene: Scene, structure: Structure, place: Place, force: Viscous) -> Iterator[Term]:
     """Drag by length, the same in every direction."""
-    dofs, length = setting.dofs, _nodal_lengths(setting, force.rods)
+    dofs, length = structure.dofs, _nodal_lengths(scene, structure, force.rods)
     damped = np.flatnonzero(length)
     coefficients = np.repeat(force.coefficient * length[damped], dofs.dimension)
     yield ViscousDamping(place.name, dofs.of_nodes(damped).reshape(-1), coefficients)
 
 
-def resistive(setting: Setting, place: Place, force: Resistive) -> Iterator[Term]:
+def resistive(scene: Scene, structure: Structure, place: Place, force: Resistive) -> Iterator[Term]:
     """Drag by length, along the rod and across it."""
-    geometry = setting.geometry
+    geometry = scene.geometry
     wet = np.flatnonzero(_selected(geometry, force.rods))
     yield resistive_force(
-        place.name, setting.dofs, geometry.edges[wet], geometry.lengths[wet], force.tangential, force.normal
+        place.name, structure.dofs, geometry.edges[wet], geometry.lengths[wet], force.tangential, force.normal
     )
 
 
-def moment(setting: Setting, place: Place, force: Moment) -> Iterator[Term]:
+def moment(scene: Scene, structure: Structure, place: Place, force: Moment) -> Iterator[Term]:
     """Moments on nodes, shared equally by the rod edges at each node.
 
     Raises:
         ScenarioError: A node is none of a rod, or a moment turns out of the plane of the scene.
     """
-    geometry, dofs, loaded = setting.geometry, setting.dofs, setting.loaded
-    nodes = select_nodes(loaded, geometry, force.where, place.key("where"))
+    geometry, dofs = scene.geometry, structure.dofs
+    nodes = scene.places.nodes(place.key("where"))
     degree = np.bincount(geometry.edges.reshape(-1), minlength=len(geometry.nodes))
     share = np.zeros(len(geometry.edges))
     for side in (0, 1):
@@ -62,16 +63,14 @@ def moment(setting: Setting, place: Place, force: Moment) -> Iterator[Term]:
     edges = np.flatnonzero(share)
     if np.any(degree[nodes] == 0):
         lone = nodes[degree[nodes] == 0][0]
-        raise loaded.error(
-            place.key("where"), f"selects node {lone}, which no rod has: a moment acts on rods"
-        )
+        raise scene.error(place.key("where"), f"selects node {lone}, which no rod has: a moment acts on rods")
     angles = dofs.of_angles(edges) if dofs.n_angles else np.empty(0, dtype=np.int64)
-    for axis, law in enumerate(components(force.moment, setting.laws)):
+    for axis, law in enumerate(components(force.moment, scene.laws)):
         if vanishes(law):
             continue
         # a planar scene turns about its normal only
         if dofs.dimension == 2 and axis in dofs.axes:
-            raise loaded.error(
+            raise scene.error(
                 place.key("moment"), f"turns about {'xyz'[axis]}, out of the plane of the scene"
             )
         moments = np.zeros((len(edges), 3))
@@ -87,11 +86,11 @@ def moment(setting: Setting, place: Place, force: Moment) -> Iterator[Term]:
         )
 
 
-def _nodal_lengths(setting: Setting, names: Sequence[str] | None) -> FloatArray:
+def _nodal_lengths(scene: Scene, structure: Structure, names: Sequence[str] | None) -> FloatArray:
     """Length of the named rods at each node [m], shape (n_nodes,); walls get nothing."""
-    geometry = setting.geometry
+    geometry = scene.geometry
     lengths = geometry.lengths * _selected(geometry, names)
-    return nodal_lengths(setting.dofs.n_nodes, geometry.edges, lengths)
+    return nodal_lengths(structure.dofs.n_nodes, geometry.edges, lengths)
 
 
 def _selected(geometry: Geometry, names: Sequence[str] | None) -> FloatArray:

@@ -28,60 +28,63 @@ from ...scenario.language.force import (
 from ...sections.mass import nodal_lengths
 from ...sections.shells import edge_lengths, nodal_areas
 from ..bodies.geometry import Geometry
-from ..bodies.selection import select_nodes
 from ..laws import components, vanishes
+from ..scene import Scene
 from ..structure.masses import nodal_mass
+from ..structure.structure import Structure
 from .followers import carried_by_sides, follower_loads
-from .setting import Place, Setting, dead_loads
+from .vectors import Place, Vector, dead_loads
 
 
-def aerodynamic(setting: Setting, place: Place, force: Aerodynamic) -> Iterator[Term]:
+def aerodynamic(scene: Scene, structure: Structure, place: Place, force: Aerodynamic) -> Iterator[Term]:
     """Quadratic drag along the normals."""
-    wet = _selected(setting.geometry, force.shells)
+    wet = _selected(scene.geometry, force.shells)
     yield aerodynamic_drag(
         place.name,
-        setting.dofs,
-        setting.geometry.triangles[wet],
-        setting.geometry.areas[wet],
+        structure.dofs,
+        scene.geometry.triangles[wet],
+        scene.geometry.areas[wet],
         fluid_density=force.fluid_density,
         coefficient=force.coefficient,
     )
 
 
-def hydrodynamic(setting: Setting, place: Place, force: Hydrodynamic) -> Iterator[Term]:
+def hydrodynamic(scene: Scene, structure: Structure, place: Place, force: Hydrodynamic) -> Iterator[Term]:
     """Linear drag of a fluid."""
-    area = _nodal_areas(setting, force.shells)
+    area = _nodal_areas(scene, structure, force.shells)
     yield hydrodynamic_drag(
-        place.name, setting.dofs, area, fluid_density=force.fluid_density, coefficient=force.coefficient
+        place.name, structure.dofs, area, fluid_density=force.fluid_density, coefficient=force.coefficient
     )
 
 
-def area_damping(setting: Setting, place: Place, force: AreaDamping) -> Iterator[Term]:
+def area_damping(scene: Scene, structure: Structure, place: Place, force: AreaDamping) -> Iterator[Term]:
     """Linear damping by area."""
-    yield damping_term(place.name, setting.dofs, _nodal_areas(setting, force.shells), force.coefficient)
+    yield damping_term(
+        place.name, structure.dofs, _nodal_areas(scene, structure, force.shells), force.coefficient
+    )
 
 
-def pressure(setting: Setting, place: Place, force: Pressure) -> Iterator[Term]:
+def pressure(scene: Scene, structure: Structure, place: Place, force: Pressure) -> Iterator[Term]:
     """Pressure on a shell."""
-    triangles = setting.geometry.triangles[setting.geometry.triangles_of(force.shell)]
-    yield pressure_term(place.name, setting.dofs, triangles, setting.laws(force.pressure))
+    triangles = structure.shell_edges.bodies[force.shell].triangles
+    yield pressure_term(place.name, structure.dofs, triangles, scene.laws(force.pressure))
 
 
-def thrust(setting: Setting, place: Place, force: Thrust) -> Iterator[Term]:
+def thrust(scene: Scene, structure: Structure, place: Place, force: Thrust) -> Iterator[Term]:
     """Thrust of a bell.
 
     Raises:
         ScenarioError: The shell does not have one opening.
     """
-    geometry, dofs = setting.geometry, setting.dofs
-    triangles = geometry.triangles[geometry.triangles_of(force.shell)]
+    geometry, dofs = scene.geometry, structure.dofs
+    triangles = structure.shell_edges.bodies[force.shell].triangles
     openings = rims(triangles)
     if openings != 1:
-        raise setting.loaded.error(
+        raise scene.error(
             place.key("shell"), f"'{force.shell}' has {openings} rims; a bell has one, around its opening"
         )
     # shared by mass, so that the thrust itself accelerates the bell without squeezing it
-    mass = nodal_mass(geometry, dofs.n_nodes, setting.payload)
+    mass = nodal_mass(geometry, dofs.n_nodes, structure.payload)
     shares = np.zeros(dofs.n_nodes)
     bell = np.unique(triangles)
     shares[bell] = mass[bell]
@@ -98,44 +101,43 @@ def thrust(setting: Setting, place: Place, force: Thrust) -> Iterator[Term]:
     )
 
 
-def line_load(setting: Setting, place: Place, force: LineLoad) -> Iterator[Term]:
+def line_load(scene: Scene, structure: Structure, place: Place, force: LineLoad) -> Iterator[Term]:
     """Forces on the shell edges between selected nodes, half of each at either end.
 
     Raises:
         ScenarioError: It selects no edge.
     """
-    geometry = setting.geometry
-    nodes = select_nodes(setting.loaded, geometry, force.where, place.key("where"))
+    geometry = scene.geometry
+    nodes = scene.places.nodes(place.key("where"))
     sides = np.sort(geometry.triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
     edges = np.unique(sides[np.isin(sides, nodes).all(axis=1)], axis=0)
     if edges.size == 0:
-        raise setting.loaded.error(place.key("where"), "selects no edge of a shell")
-    path, vector = place.key("force_per_length"), components(force.force_per_length, setting.laws)
+        raise scene.error(place.key("where"), "selects no edge of a shell")
+    vector = Vector.of(scene, place.name, place.key("force_per_length"), force.force_per_length)
     if force.follower:
-        return follower_loads(setting, place.name, path, vector, [carried_by_sides(setting, edges)])
-    length = nodal_lengths(setting.dofs.n_nodes, edges, edge_lengths(geometry.nodes, edges))
-    return dead_loads(setting, place.name, path, vector, length)
+        return follower_loads(scene, structure, vector, [carried_by_sides(scene, structure, edges)])
+    length = nodal_lengths(structure.dofs.n_nodes, edges, edge_lengths(geometry.nodes, edges))
+    return dead_loads(scene, structure, vector, length)
 
 
-def line_moment(setting: Setting, place: Place, force: LineMoment) -> Iterator[Term]:
+def line_moment(scene: Scene, structure: Structure, place: Place, force: LineMoment) -> Iterator[Term]:
     """Moments on shell edges between selected nodes: across each edge a couple, along it a torque.
 
     Raises:
         ScenarioError: It selects no edge, or one without a normal to turn.
     """
-    dofs, free = setting.dofs, setting.free
-    nodes = select_nodes(setting.loaded, setting.geometry, force.where, place.key("where"))
-    edges = np.flatnonzero(np.isin(free.edges, nodes).all(axis=1))
+    dofs, with_normals = structure.dofs, structure.shell_edges.edges
+    nodes = scene.places.nodes(place.key("where"))
+    edges = np.flatnonzero(np.isin(with_normals, nodes).all(axis=1))
     if edges.size == 0:
-        raise setting.loaded.error(
+        raise scene.error(
             place.key("where"),
             "selects no edge, two nodes of a side, of a shell with bending: midedge, whose normals it turns",
         )
-    assert setting.normals is not None
-    stored = setting.normals.edge_places(edges)[:, :3]
-    tails, heads = (dofs.of_nodes(free.edges[edges, k]) for k in (0, 1))
-    lengths = edge_lengths(setting.geometry.nodes, free.edges[edges])
-    for axis, law in enumerate(components(force.moment_per_length, setting.laws)):
+    stored = structure.normals.edge_places(edges)[:, :3]
+    tails, heads = (dofs.of_nodes(with_normals[edges, k]) for k in (0, 1))
+    lengths = edge_lengths(scene.geometry.nodes, with_normals[edges])
+    for axis, law in enumerate(components(force.moment_per_length, scene.laws)):
         if vanishes(law):
             continue
         moments = np.zeros((len(edges), 3))
@@ -146,11 +148,11 @@ def line_moment(setting: Setting, place: Place, force: LineMoment) -> Iterator[T
         yield EdgeTorque(f"{label}.torque", tails, heads, dofs.of_normals(edges), stored, moments, law)
 
 
-def _nodal_areas(setting: Setting, names: Sequence[str] | None) -> FloatArray:
+def _nodal_areas(scene: Scene, structure: Structure, names: Sequence[str] | None) -> FloatArray:
     """Area of the named shells at each node [m^2], shape (n_nodes,)."""
-    geometry = setting.geometry
+    geometry = scene.geometry
     wet = _selected(geometry, names)
-    return nodal_areas(setting.dofs.n_nodes, geometry.triangles[wet], geometry.areas[wet])
+    return nodal_areas(structure.dofs.n_nodes, geometry.triangles[wet], geometry.areas[wet])
 
 
 def _selected(geometry: Geometry, names: Sequence[str] | None) -> IntArray:

@@ -8,13 +8,31 @@ from enum import Enum, auto
 from typing import Any, Generic, TypeVar
 
 from ...model.term import Term
-from ...scenario.language import force as said
+from ...scenario.language.force import (
+    Aerodynamic,
+    AreaDamping,
+    Buoyancy,
+    Distributed,
+    Gravity,
+    Hydrodynamic,
+    LineLoad,
+    LineMoment,
+    Load,
+    Moment,
+    Point,
+    Pressure,
+    Resistive,
+    Thrust,
+    Viscous,
+)
+from ..scene import Scene
+from ..structure.structure import Structure
 from . import nodes as node_forces
 from . import rods as rod_forces
 from . import shells as shell_forces
-from .setting import Place, Setting
+from .vectors import Place
 
-_Load = TypeVar("_Load", bound=said.Load)
+_Load = TypeVar("_Load", bound=Load)
 
 
 class Role(Enum):
@@ -40,27 +58,27 @@ class Builder(Generic[_Load]):
 
     kind: type[_Load]
     role: Role
-    terms: Callable[[Setting, Place, _Load], Iterable[Term]]
+    terms: Callable[[Scene, Structure, Place, _Load], Iterable[Term]]
 
 
 _TABLE: tuple[Builder[Any], ...] = (
-    Builder(said.Gravity, Role.GRAVITATIONAL, node_forces.gravity),
-    Builder(said.Buoyancy, Role.GRAVITATIONAL, node_forces.buoyancy),
-    Builder(said.Point, Role.LOAD, node_forces.point),
-    Builder(said.LineLoad, Role.LOAD, shell_forces.line_load),
-    Builder(said.LineMoment, Role.LOAD, shell_forces.line_moment),
-    Builder(said.Moment, Role.LOAD, rod_forces.moment),
-    Builder(said.Distributed, Role.LOAD, rod_forces.distributed),
-    Builder(said.Viscous, Role.DISSIPATIVE, rod_forces.viscous),
-    Builder(said.Resistive, Role.DISSIPATIVE, rod_forces.resistive),
-    Builder(said.Aerodynamic, Role.DISSIPATIVE, shell_forces.aerodynamic),
-    Builder(said.Hydrodynamic, Role.DISSIPATIVE, shell_forces.hydrodynamic),
-    Builder(said.AreaDamping, Role.DISSIPATIVE, shell_forces.area_damping),
-    Builder(said.Pressure, Role.LOAD, shell_forces.pressure),
-    Builder(said.Thrust, Role.LOAD, shell_forces.thrust),
+    Builder(Gravity, Role.GRAVITATIONAL, node_forces.gravity),
+    Builder(Buoyancy, Role.GRAVITATIONAL, node_forces.buoyancy),
+    Builder(Point, Role.LOAD, node_forces.point),
+    Builder(LineLoad, Role.LOAD, shell_forces.line_load),
+    Builder(LineMoment, Role.LOAD, shell_forces.line_moment),
+    Builder(Moment, Role.LOAD, rod_forces.moment),
+    Builder(Distributed, Role.LOAD, rod_forces.distributed),
+    Builder(Viscous, Role.DISSIPATIVE, rod_forces.viscous),
+    Builder(Resistive, Role.DISSIPATIVE, rod_forces.resistive),
+    Builder(Aerodynamic, Role.DISSIPATIVE, shell_forces.aerodynamic),
+    Builder(Hydrodynamic, Role.DISSIPATIVE, shell_forces.hydrodynamic),
+    Builder(AreaDamping, Role.DISSIPATIVE, shell_forces.area_damping),
+    Builder(Pressure, Role.LOAD, shell_forces.pressure),
+    Builder(Thrust, Role.LOAD, shell_forces.thrust),
 )
 
-BUILDERS: Mapping[type[said.Load], Builder[Any]] = {builder.kind: builder for builder in _TABLE}
+BUILDERS: Mapping[type[Load], Builder[Any]] = {builder.kind: builder for builder in _TABLE}
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,16 +95,17 @@ class Forces:
         return (*self.gravitational, *self.loads, *self.dissipative)
 
 
-def build_forces(setting: Setting) -> Forces:
+def make_forces(scene: Scene, structure: Structure) -> Forces:
     """Make the force terms.
 
     Raises:
-        ScenarioError: A selection is empty or a force leaves the plane of a planar scene.
+        ScenarioError: A place holds nothing that its force acts on, or a force leaves the plane of a
+            planar scene.
     """
     made: dict[Role, list[Term]] = {role: [] for role in Role}
-    for index, force in enumerate(setting.loaded.scenario.forces):
+    for index, force in enumerate(scene.scenario.forces):
         builder = BUILDERS[type(force)]
-        made[builder.role] += builder.terms(setting, Place.of(index, force), force)
+        made[builder.role] += builder.terms(scene, structure, Place.of(index, force), force)
     return Forces(
         gravitational=tuple(made[Role.GRAVITATIONAL]),
         loads=tuple(made[Role.LOAD]),

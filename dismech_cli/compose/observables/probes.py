@@ -4,59 +4,71 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...kinematics.dofs import DofMap
-from ...run.observables import probes as made
-from ...scenario.language import probe as said
-from ...scenario.load import LoadedScenario
-from ..bodies.geometry import Geometry
-from ..bodies.selection import KeyPath, select_edges, select_nodes
-from ..structure.skeleton import Skeleton
+from ...run.observables import probes
+from ...scenario.language.probe import (
+    DisplacementProbe,
+    DistanceProbe,
+    EnergyProbe,
+    MeanPositionProbe,
+    PositionProbe,
+    Probe,
+    ReactionProbe,
+    StabilityProbe,
+    TwistProbe,
+    VelocityProbe,
+)
+from ...scenario.text.tree import KeyPath
+from ..scene import Scene
+from ..structure.structure import Structure
 
 AXES = {"x": 0, "y": 1, "z": 2, "magnitude": None}
 
 
-def build_probe(
-    loaded: LoadedScenario,
-    geometry: Geometry,
-    skeleton: Skeleton,
-    dofs: DofMap,
-    probe: said.Probe,
-    path: KeyPath,
-) -> made.Probe:
-    """Resolve a probe.
+def make_probes(scene: Scene, structure: Structure) -> dict[str, probes.Probe]:
+    """The probes of the output, by name."""
+    given = scene.scenario.output.probes
+    return {
+        name: _probe(scene, structure, probe, ("output", "probes", name)) for name, probe in given.items()
+    }
+
+
+def make_watched(scene: Scene, structure: Structure) -> dict[str, probes.Probe]:
+    """The probes of the expectations, by name."""
+    given = scene.scenario.expect
+    return {
+        name: _probe(scene, structure, one.probe, ("expect", name, "probe")) for name, one in given.items()
+    }
+
+
+def _probe(scene: Scene, structure: Structure, probe: Probe, path: KeyPath) -> probes.Probe:
+    """Put a probe on its place.
 
     Raises:
-        ScenarioError: Its selection is empty.
+        ScenarioError: It measures twist where there is none.
     """
-    origin = np.zeros(3)
+    geometry, origin = scene.geometry, np.zeros(3)
     match probe:
-        case said.DisplacementProbe():
-            nodes = select_nodes(loaded, geometry, probe.displacement, (*path, "displacement"))
-            return made.Position(nodes, geometry.nodes[nodes].mean(axis=0), AXES[probe.component])
-        case said.PositionProbe():
-            nodes = select_nodes(loaded, geometry, probe.position, (*path, "position"))
-            return made.Position(nodes, origin, AXES[probe.component])
-        case said.VelocityProbe():
-            nodes = select_nodes(loaded, geometry, probe.velocity, (*path, "velocity"))
-            return made.Velocity(nodes, AXES[probe.component])
-        case said.DistanceProbe():
-            first, second = (
-                select_nodes(loaded, geometry, side, (*path, "distance", k))
-                for k, side in enumerate(probe.distance)
-            )
-            return made.Distance(first, second)
-        case said.MeanPositionProbe():
-            return made.Position(geometry.body_nodes[probe.mean_position], origin, AXES[probe.component])
-        case said.EnergyProbe():
-            return made.Energy(probe.energy)
-        case said.ReactionProbe():
-            nodes = select_nodes(loaded, geometry, probe.reaction, (*path, "reaction"))
-            behind = len(geometry.nodes) + np.flatnonzero(np.isin(skeleton.wall_nodes, nodes))
-            return made.Reaction(np.concatenate((nodes, behind)), AXES[probe.component])
-        case said.TwistProbe():
-            edges = select_edges(loaded, geometry, probe.twist, (*path, "twist"))
-            if dofs.n_angles == 0:
-                raise loaded.error((*path, "twist"), "the scene has no rod that can twist")
-            return made.TwistAngle(dofs.of_angles(edges))
-        case said.StabilityProbe():
-            return made.NegativeEigenvalues()
+        case DisplacementProbe():
+            nodes = scene.places.nodes((*path, "displacement"))
+            return probes.Position(nodes, geometry.nodes[nodes].mean(axis=0), AXES[probe.component])
+        case PositionProbe():
+            return probes.Position(scene.places.nodes((*path, "position")), origin, AXES[probe.component])
+        case VelocityProbe():
+            return probes.Velocity(scene.places.nodes((*path, "velocity")), AXES[probe.component])
+        case DistanceProbe():
+            first, second = (scene.places.nodes((*path, "distance", side)) for side in (0, 1))
+            return probes.Distance(first, second)
+        case MeanPositionProbe():
+            return probes.Position(geometry.body_nodes[probe.mean_position], origin, AXES[probe.component])
+        case EnergyProbe():
+            return probes.Energy(probe.energy)
+        case ReactionProbe():
+            nodes = scene.places.nodes((*path, "reaction"))
+            behind = len(geometry.nodes) + np.flatnonzero(np.isin(structure.skeleton.wall_nodes, nodes))
+            return probes.Reaction(np.concatenate((nodes, behind)), AXES[probe.component])
+        case TwistProbe():
+            if structure.dofs.n_angles == 0:
+                raise scene.error((*path, "twist"), "the scene has no rod that can twist")
+            return probes.TwistAngle(structure.dofs.of_angles(scene.places.edges((*path, "twist"))))
+        case StabilityProbe():
+            return probes.NegativeEigenvalues()

@@ -18,7 +18,8 @@ from ...sections.shells import (
     midedge_springs,
     weighted_hinge_stiffness,
 )
-from .parts import ShellParts
+from ..bodies.shell import ShellProperties
+from .body import Ground, ShellBody
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,20 +29,20 @@ class ShellBending:
     Attributes:
         term: Makes the energy of a shell, stress-free in its rest shape.
         springs: Stiffness of the springs that the DiSMech programs put on its edges, see
-            :mod:`.shell_membrane`: of a shell with edges of these lengths [m], shape (B,).
-        free_normals: Whether every edge has a normal with an angle of its own.
+            :mod:`.membrane`: of a shell with edges of these lengths [m], shape (B,).
+        has_normals: Whether every edge has a normal with an angle of its own.
         at_hinges: Whether its stencils are the hinges between two triangles, rather than the triangles.
         dihedral_factor: Change of the natural angles at a hinge when it is driven by 1: those of triangles
-            count from the face and so have the other sign, and that of a free normal is half of it.
+            count from the face and so have the other sign, and that of a normal of its own is half of it.
         curvature_factor: Change of the natural angles of a triangle per angle from its normal to that of an
             edge; None if the model knows no curvature.
         converges: Whether it is a plate on every mesh, rather than on nearly equilateral triangles.
         plate: What it is, for the plan.
     """
 
-    term: Callable[[ShellParts], StencilEnergy]
-    springs: Callable[[ShellParts, FloatArray], FloatArray]
-    free_normals: bool
+    term: Callable[[ShellBody, Ground], StencilEnergy]
+    springs: Callable[[ShellProperties, FloatArray], FloatArray]
+    has_normals: bool
     at_hinges: bool
     dihedral_factor: float
     curvature_factor: float | None
@@ -54,62 +55,60 @@ def bending_of(shell: Shell) -> ShellBending:
     return SHELL_BENDING[shell.bending]
 
 
-def _name(parts: ShellParts) -> str:
-    return f"{parts.shell.name}.bending"
+def _name(body: ShellBody) -> str:
+    return f"{body.shell.name}.bending"
 
 
-def _midedge(parts: ShellParts) -> StencilEnergy:
-    assert parts.normals is not None
+def _midedge(body: ShellBody, ground: Ground) -> StencilEnergy:
     return midedge_term(
-        _name(parts),
-        parts.dofs,
-        parts.positions,
-        parts.triangles,
-        parts.topology.face_edges + parts.first,
-        parts.topology.face_signs,
-        parts.normals,
-        youngs_modulus=parts.sheet.youngs_modulus,
-        poisson_ratio=parts.sheet.poisson_ratio,
-        thickness=parts.sheet.thickness,
+        _name(body),
+        ground.dofs,
+        ground.positions,
+        body.triangles,
+        body.topology.face_edges + body.first,
+        body.topology.face_signs,
+        ground.normals,
+        youngs_modulus=body.sheet.youngs_modulus,
+        poisson_ratio=body.sheet.poisson_ratio,
+        thickness=body.sheet.thickness,
     )
 
 
-def _averaged(parts: ShellParts) -> StencilEnergy:
+def _averaged(body: ShellBody, ground: Ground) -> StencilEnergy:
     return midedge_averaged_term(
-        _name(parts),
-        parts.dofs,
-        parts.positions,
-        parts.triangles,
-        parts.topology.face_edges,
-        parts.topology.edge_faces,
-        youngs_modulus=parts.sheet.youngs_modulus,
-        poisson_ratio=parts.sheet.poisson_ratio,
-        thickness=parts.sheet.thickness,
+        _name(body),
+        ground.dofs,
+        ground.positions,
+        body.triangles,
+        body.topology.face_edges,
+        body.topology.edge_faces,
+        youngs_modulus=body.sheet.youngs_modulus,
+        poisson_ratio=body.sheet.poisson_ratio,
+        thickness=body.sheet.thickness,
     )
 
 
-def _hinge(parts: ShellParts) -> StencilEnergy:
-    stiffness = HINGES[parts.shell.hinges or "equal"](parts)
-    return hinge_term(_name(parts), parts.dofs, parts.positions, parts.topology.hinges, stiffness)
+def _hinge(body: ShellBody, ground: Ground) -> StencilEnergy:
+    stiffness = HINGES[body.shell.hinges or "equal"](body, ground.positions)
+    return hinge_term(_name(body), ground.dofs, ground.positions, body.topology.hinges, stiffness)
 
 
-def _equal_hinges(parts: ShellParts) -> FloatArray:
-    return hinge_stiffness(parts.sheet.youngs_modulus, parts.sheet.thickness, len(parts.topology.hinges))
+def _equal_hinges(body: ShellBody, positions: FloatArray) -> FloatArray:
+    return hinge_stiffness(body.sheet.youngs_modulus, body.sheet.thickness, len(body.topology.hinges))
 
 
-def _weighted_hinges(parts: ShellParts) -> FloatArray:
-    edges = parts.topology.hinge_edges
-    lengths = edge_lengths(parts.positions, parts.topology.edges)[edges]
-    around = parts.adjacent_areas()[edges]
-    return weighted_hinge_stiffness(parts.sheet.youngs_modulus, parts.sheet.thickness, lengths, around)
+def _weighted_hinges(body: ShellBody, positions: FloatArray) -> FloatArray:
+    edges = body.topology.hinge_edges
+    lengths = edge_lengths(positions, body.topology.edges)[edges]
+    around = body.adjacent_areas(positions)[edges]
+    return weighted_hinge_stiffness(body.sheet.youngs_modulus, body.sheet.thickness, lengths, around)
 
 
-def _family_of_hinges(parts: ShellParts, lengths: FloatArray) -> FloatArray:
-    return hinge_springs(parts.sheet.youngs_modulus, parts.sheet.thickness, lengths)
+def _family_of_hinges(sheet: ShellProperties, lengths: FloatArray) -> FloatArray:
+    return hinge_springs(sheet.youngs_modulus, sheet.thickness, lengths)
 
 
-def _family_of_normals(parts: ShellParts, lengths: FloatArray) -> FloatArray:
-    sheet = parts.sheet
+def _family_of_normals(sheet: ShellProperties, lengths: FloatArray) -> FloatArray:
     return midedge_springs(sheet.youngs_modulus, sheet.poisson_ratio, sheet.thickness, lengths)
 
 
@@ -117,7 +116,7 @@ SHELL_BENDING: Mapping[str, ShellBending] = {
     "midedge": ShellBending(
         term=_midedge,
         springs=_family_of_normals,
-        free_normals=True,
+        has_normals=True,
         at_hinges=False,
         dihedral_factor=-0.5,
         curvature_factor=1.0,
@@ -127,7 +126,7 @@ SHELL_BENDING: Mapping[str, ShellBending] = {
     "hinge": ShellBending(
         term=_hinge,
         springs=_family_of_hinges,
-        free_normals=False,
+        has_normals=False,
         at_hinges=True,
         dihedral_factor=1.0,
         curvature_factor=None,
@@ -137,7 +136,7 @@ SHELL_BENDING: Mapping[str, ShellBending] = {
     "averaged": ShellBending(
         term=_averaged,
         springs=_family_of_normals,
-        free_normals=False,
+        has_normals=False,
         at_hinges=False,
         dihedral_factor=-1.0,
         curvature_factor=2.0,
@@ -146,8 +145,8 @@ SHELL_BENDING: Mapping[str, ShellBending] = {
     ),
 }
 
-HINGES: Mapping[str, Callable[[ShellParts], FloatArray]] = {
+HINGES: Mapping[str, Callable[[ShellBody, FloatArray], FloatArray]] = {
     "equal": _equal_hinges,
     "weighted": _weighted_hinges,
 }
-"""Stiffness of the hinges of a shell [N m], shape (H,)."""
+"""Stiffness of the hinges of a shell at its rest positions (n_nodes, 3) [N m], shape (H,)."""

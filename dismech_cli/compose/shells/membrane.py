@@ -4,48 +4,44 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from ...arrays import FloatArray
 from ...energies.membrane import membrane_term
 from ...energies.membrane_springs import spring_term
 from ...model.stencil import StencilEnergy
 from ...sections.shells import area_springs, edge_lengths
 from .bending import bending_of
-from .parts import ShellParts
+from .body import Ground, ShellBody
 
 
-def _name(parts: ShellParts) -> str:
-    return f"{parts.shell.name}.membrane"
+def _name(body: ShellBody) -> str:
+    return f"{body.shell.name}.membrane"
 
 
-def _triangles(parts: ShellParts) -> StencilEnergy:
+def _triangles(body: ShellBody, ground: Ground) -> StencilEnergy:
     return membrane_term(
-        _name(parts),
-        parts.dofs,
-        parts.positions,
-        parts.triangles,
-        youngs_modulus=parts.sheet.youngs_modulus,
-        poisson_ratio=parts.sheet.poisson_ratio,
-        thickness=parts.sheet.thickness,
+        _name(body),
+        ground.dofs,
+        ground.positions,
+        body.triangles,
+        youngs_modulus=body.sheet.youngs_modulus,
+        poisson_ratio=body.sheet.poisson_ratio,
+        thickness=body.sheet.thickness,
     )
 
 
-def _springs(parts: ShellParts) -> StencilEnergy:
-    lengths = edge_lengths(parts.positions, parts.topology.edges)
-    sheet = parts.sheet
-    stiffness = area_springs(sheet.youngs_modulus, sheet.thickness, lengths, parts.adjacent_areas())
-    return _along_edges(parts, lengths, stiffness)
+def _springs(body: ShellBody, ground: Ground) -> StencilEnergy:
+    lengths = edge_lengths(ground.positions, body.topology.edges)
+    around = body.adjacent_areas(ground.positions)
+    stiffness = area_springs(body.sheet.youngs_modulus, body.sheet.thickness, lengths, around)
+    return spring_term(_name(body), ground.dofs, body.topology.edges, lengths, stiffness)
 
 
-def _family(parts: ShellParts) -> StencilEnergy:
-    lengths = edge_lengths(parts.positions, parts.topology.edges)
-    return _along_edges(parts, lengths, bending_of(parts.shell).springs(parts, lengths))
+def _family(body: ShellBody, ground: Ground) -> StencilEnergy:
+    lengths = edge_lengths(ground.positions, body.topology.edges)
+    stiffness = bending_of(body.shell).springs(body.sheet, lengths)
+    return spring_term(_name(body), ground.dofs, body.topology.edges, lengths, stiffness)
 
 
-def _along_edges(parts: ShellParts, lengths: FloatArray, stiffness: FloatArray) -> StencilEnergy:
-    return spring_term(_name(parts), parts.dofs, parts.topology.edges, lengths, stiffness)
-
-
-MEMBRANES: Mapping[str, Callable[[ShellParts], StencilEnergy]] = {
+MEMBRANES: Mapping[str, Callable[[ShellBody, Ground], StencilEnergy]] = {
     "cst": _triangles,
     "springs": _springs,
     "family": _family,

@@ -1,4 +1,4 @@
-"""Edges of the shells whose normals are free, numbered through all of them."""
+"""Edges of the shells, and those that carry a normal numbered through all of them."""
 
 from __future__ import annotations
 
@@ -8,46 +8,42 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...arrays import IntArray
-from ...mesh.topology.shells import ShellTopology, shell_edges
+from ...mesh.topology.shells import shell_edges
 from ..bodies.geometry import Geometry
 from .bending import bending_of
+from .body import ShellBody
 
 
 @dataclass(frozen=True, slots=True)
 class ShellEdges:
-    """Topology of every shell, and the edges that carry a mid-edge normal.
+    """The shells with their topology, and the edges that carry a mid-edge normal.
 
     Attributes:
-        topologies: Edges and hinges of each shell by name, in the scene's node numbers.
-        first: Number of the first free edge of each shell with free normals.
-        edges: Edges with a free normal, shape (B, 2).
+        bodies: The shells by name.
+        edges: Edges with a normal, shape (B, 2).
         edge_faces: Their triangles within ``triangles``, -1 where there is no second, shape (B, 2).
-        triangles: Triangles of the shells with free normals, shape (F, 3).
+        triangles: Triangles of the shells whose edges have normals, shape (F, 3).
     """
 
-    topologies: Mapping[str, ShellTopology]
-    first: Mapping[str, int]
+    bodies: Mapping[str, ShellBody]
     edges: IntArray
     edge_faces: IntArray
     triangles: IntArray
 
 
 def find_shell_edges(geometry: Geometry) -> ShellEdges:
-    """Find the edges of each shell; those of the shells with free normals are numbered on."""
-    topologies: dict[str, ShellTopology] = {}
-    first: dict[str, int] = {}
+    """Find the edges of each shell; those of the shells whose edges have normals are numbered on."""
+    bodies: dict[str, ShellBody] = {}
     edges, faces, triangles = ([np.empty((0, k), dtype=np.int64)] for k in (2, 2, 3))
     n_edges = n_faces = 0
-    for shell in geometry.shells:
+    for shell, sheet in zip(geometry.shells, geometry.sheets, strict=True):
         own = geometry.triangles[geometry.triangles_of(shell.name)]
-        topology = topologies[shell.name] = shell_edges(own)
-        if not bending_of(shell).free_normals:
+        topology = shell_edges(own)
+        bodies[shell.name] = ShellBody(shell, sheet, own, topology, n_edges)
+        if not bending_of(shell).has_normals:
             continue
-        first[shell.name] = n_edges
         edges.append(topology.edges)
         faces.append(np.where(topology.edge_faces >= 0, topology.edge_faces + n_faces, -1))
         triangles.append(own)
         n_edges, n_faces = n_edges + len(topology.edges), n_faces + len(own)
-    return ShellEdges(
-        topologies, first, np.concatenate(edges), np.concatenate(faces), np.concatenate(triangles)
-    )
+    return ShellEdges(bodies, np.concatenate(edges), np.concatenate(faces), np.concatenate(triangles))

@@ -13,8 +13,8 @@ from scipy.spatial import KDTree
 from ...arrays import FloatArray, IntArray
 from ...scenario.language.motion import Clamp
 from ...scenario.language.numerics import Static
-from ...scenario.load import LoadedScenario
 from ..bodies.geometry import Geometry
+from ..scene import Scene
 from ..shells.bending import bending_of
 from .holds import Hold
 
@@ -22,34 +22,35 @@ from .holds import Hold
 _UNEVEN = 6.0
 # Nodes nearer than this fraction of the size of the scene were meant to be one.
 _SAME_PLACE = 1e-9
-# Rigid motions are free that move held nodes by less, in squares of the size of the motion.
-_FREE = 1e-9
+# A rigid motion is held that moves held nodes by more, in squares of its size.
+_HELD = 1e-9
 
 
-def scene_doubts(loaded: LoadedScenario, geometry: Geometry, holds: tuple[Hold, ...]) -> Iterator[str]:
+def scene_doubts(scene: Scene, holds: tuple[Hold, ...]) -> Iterator[str]:
     """Warnings, each with its place in the scenario."""
-    yield from _uneven_meshes(loaded, geometry)
-    yield from _single_rows(loaded, geometry, holds)
-    yield from _touching(loaded, geometry)
-    if isinstance(loaded.scenario.numerics.integrator, Static):
-        yield from _adrift(loaded, geometry, holds)
+    yield from _uneven_meshes(scene)
+    yield from _single_rows(scene, holds)
+    yield from _touching(scene)
+    if isinstance(scene.scenario.numerics.integrator, Static):
+        yield from _adrift(scene, holds)
 
 
-def _uneven_meshes(loaded: LoadedScenario, geometry: Geometry) -> Iterator[str]:
+def _uneven_meshes(scene: Scene) -> Iterator[str]:
     """Models that are right between equilateral triangles only, between others."""
+    geometry = scene.geometry
     for key, shell in zip(geometry.shell_keys, geometry.shells, strict=True):
         off = unevenness(geometry.nodes, geometry.triangles[geometry.triangles_of(shell.name)])
         if off <= _UNEVEN:
             continue
         start = f"the corners of '{shell.name}' are {off:.0f} degrees off those of equilateral triangles: "
         if not bending_of(shell).converges:
-            yield loaded.warning(
+            yield scene.loaded.warning(
                 ("geometry", key, "bending"),
                 f"{start}bending '{shell.bending}' depends on the mesh there and does not converge; "
                 "take 'midedge'",
             )
         if shell.membrane != "cst":
-            yield loaded.warning(
+            yield scene.loaded.warning(
                 ("geometry", key, "membrane"),
                 f"{start}springs along edges stretch by the mesh there; take 'cst'",
             )
@@ -70,28 +71,30 @@ def unevenness(nodes: FloatArray, triangles: IntArray) -> float:
     return float(np.median(np.sqrt(square)))
 
 
-def _single_rows(loaded: LoadedScenario, geometry: Geometry, holds: tuple[Hold, ...]) -> Iterator[str]:
+def _single_rows(scene: Scene, holds: tuple[Hold, ...]) -> Iterator[str]:
     """Clamps that a shell without normals of its own can turn about."""
+    geometry = scene.geometry
     held = np.zeros(len(geometry.nodes), dtype=bool)
     for hold in holds:
         held[hold.nodes] = True
-    for index, (motion, hold) in enumerate(zip(loaded.scenario.motions, holds, strict=True)):
+    for index, (motion, hold) in enumerate(zip(scene.scenario.motions, holds, strict=True)):
         if not isinstance(motion, Clamp):
             continue
         for shell in geometry.shells:
             triangles = geometry.triangles[geometry.triangles_of(shell.name)]
             touched = np.isin(triangles, hold.nodes).any(axis=1)
-            if bending_of(shell).free_normals or not touched.any() or held[triangles].all(axis=1).any():
+            if bending_of(shell).has_normals or not touched.any() or held[triangles].all(axis=1).any():
                 continue
-            yield loaded.warning(
+            yield scene.loaded.warning(
                 ("motions", index, "where"),
                 f"holds no whole triangle of '{shell.name}', which can turn about it: bending "
                 f"'{shell.bending}' knows no slope at a rim; hold two rows of nodes, or take 'midedge'",
             )
 
 
-def _touching(loaded: LoadedScenario, geometry: Geometry) -> Iterator[str]:
+def _touching(scene: Scene) -> Iterator[str]:
     """Bodies with nodes at one place that no joint made one."""
+    geometry = scene.geometry
     size = float(np.ptp(geometry.nodes, axis=0).max())
     pairs = KDTree(geometry.nodes).query_pairs(_SAME_PLACE * size, output_type="ndarray")
     if not len(pairs):
@@ -100,34 +103,35 @@ def _touching(loaded: LoadedScenario, geometry: Geometry) -> Iterator[str]:
         a, b = geometry.body_nodes[one], geometry.body_nodes[two]
         here = (np.isin(pairs, a).any(axis=1) & np.isin(pairs, b).any(axis=1)).sum()
         if here:
-            key = next(k for k, body in enumerate(loaded.scenario.geometry) if body.name == two)
-            yield loaded.warning(
+            key = next(k for k, body in enumerate(scene.scenario.geometry) if body.name == two)
+            yield scene.loaded.warning(
                 ("geometry", key),
                 f"'{one}' and '{two}' touch, with nodes at the same place ({here}), but nothing joins them; "
                 "if they belong together, add a joint",
             )
 
 
-def _adrift(loaded: LoadedScenario, geometry: Geometry, holds: tuple[Hold, ...]) -> Iterator[str]:
+def _adrift(scene: Scene, holds: tuple[Hold, ...]) -> Iterator[str]:
     """Bodies that a static scene leaves free to move or turn as a whole."""
+    geometry = scene.geometry
     sides = geometry.triangles[:, [0, 1, 1, 2]].reshape(-1, 2)
     tail, head = np.concatenate((geometry.edges, sides)).T
     count = len(geometry.nodes)
     graph = coo_array((np.ones(len(tail)), (tail, head)), shape=(count, count))
     _, part = connected_components(graph, directed=False)
-    planar = loaded.scenario.dimension == 2
-    motions = _planar_motions(loaded.scenario.plane) if planar else np.arange(6)
+    planar = scene.scenario.dimension == 2
+    motions = _planar_motions(scene.scenario.plane) if planar else np.arange(6)
     told: set[int] = set()
-    for key, body in enumerate(loaded.scenario.geometry):
+    for key, body in enumerate(scene.scenario.geometry):
         label = int(part[geometry.body_nodes[body.name][0]])
         if label in told:
             continue
         told.add(label)
-        free = len(motions) - _held_motions(geometry, holds, part == label, motions)
-        if free:
-            yield loaded.warning(
+        left = len(motions) - _held_motions(geometry, holds, part == label, motions)
+        if left:
+            yield scene.loaded.warning(
                 ("geometry", key),
-                f"nothing holds '{body.name}' in {free} of the {len(motions)} ways to move or turn as a "
+                f"nothing holds '{body.name}' in {left} of the {len(motions)} ways to move or turn as a "
                 "whole: where it rests is left to rounding, if it rests at all",
             )
 
@@ -155,7 +159,7 @@ def _held_motions(geometry: Geometry, holds: tuple[Hold, ...], member: IntArray,
     if not rows:
         return 0
     matrix = np.concatenate(rows)[:, motions]
-    return int((np.linalg.eigvalsh(matrix.T @ matrix) > _FREE).sum())
+    return int((np.linalg.eigvalsh(matrix.T @ matrix) > _HELD).sum())
 
 
 def _held_turning(geometry: Geometry, hold: Hold, held: IntArray) -> Iterator[FloatArray]:
@@ -165,7 +169,7 @@ def _held_turning(geometry: Geometry, hold: Hold, held: IntArray) -> Iterator[Fl
     if at_walls.any() or np.isin(geometry.edges[hold.edges], held).all(axis=1).any():
         yield np.hstack((still, np.eye(3)))
     for k, shell in enumerate(geometry.shells):
-        if not bending_of(shell).free_normals:
+        if not bending_of(shell).has_normals:
             continue
         triangles = geometry.triangles[geometry.triangle_shell == k]
         sides = triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)

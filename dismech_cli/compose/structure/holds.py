@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from math import inf
 from typing import assert_never
 
@@ -10,11 +10,11 @@ import numpy as np
 
 from ...arrays import IntArray
 from ...laws.laws import Constant, Law
-from ...scenario.language.motion import Clamp, Pin, Symmetry, Twist
-from ...scenario.load import LoadedScenario
+from ...scenario.language.motion import Clamp, Motion, Pin, Symmetry, Twist
+from ...scenario.values.law import LawSpec
 from ..bodies.geometry import Geometry
-from ..bodies.selection import select_edges, select_nodes
-from ..laws import ToLaw, components, vanishes
+from ..laws import ToLaw, vanishes
+from ..scene import Scene
 from ..shells.bending import bending_of
 
 ZERO = Constant(0.0)
@@ -23,9 +23,13 @@ AXES = "xyz"
 _FLAT = 1e-9
 
 
-@dataclass(frozen=True, slots=True)
+def _none() -> IntArray:
+    return np.empty(0, dtype=np.int64)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Hold:
-    """One motion, resolved.
+    """One motion, resolved; what it does not say it leaves alone.
 
     Attributes:
         name: For messages.
@@ -43,70 +47,25 @@ class Hold:
     """
 
     name: str
-    nodes: IntArray
-    axes: tuple[int, ...]
-    displacement: tuple[Law, Law, Law]
-    edges: IntArray
-    twist: Law
-    walls: IntArray
-    rigid: IntArray
-    sloped: IntArray
-    release: float
+    nodes: IntArray = field(default_factory=_none)
+    axes: tuple[int, ...] = ()
+    displacement: tuple[Law, Law, Law] = (ZERO, ZERO, ZERO)
+    edges: IntArray = field(default_factory=_none)
+    twist: Law = ZERO
+    walls: IntArray = field(default_factory=_none)
+    rigid: IntArray = field(default_factory=_none)
+    sloped: IntArray = field(default_factory=_none)
+    release: float = inf
 
 
-_NONE = np.empty(0, dtype=np.int64)
-
-
-def resolve_holds(loaded: LoadedScenario, geometry: Geometry, laws: ToLaw) -> tuple[Hold, ...]:
+def resolve_holds(scene: Scene) -> tuple[Hold, ...]:
     """Resolve all motions of the scenario.
 
     Raises:
-        ScenarioError: A selection is empty, a clamp at a node has no single rod end, or a plane of
-            symmetry is not flat or holds what has no mid-edge normals.
+        ScenarioError: A clamp at a node has no single rod end or turns nothing, or a plane of symmetry
+            is not flat or holds what has no mid-edge normals.
     """
-    holds = []
-    for index, motion in enumerate(loaded.scenario.motions):
-        path = ("motions", index, "where")
-        name = f"motions[{index}]"
-        release = inf if motion.release is None else motion.release
-        match motion:
-            case Symmetry():
-                nodes = select_nodes(loaded, geometry, motion.where, path)
-                axis = _mirror_axis(loaded, geometry, motion, path, nodes)
-                zeros = (ZERO, ZERO, ZERO)
-                holds.append(Hold(name, nodes, (axis,), zeros, _NONE, ZERO, _NONE, _NONE, nodes, release))
-            case Clamp():
-                nodes = select_nodes(loaded, geometry, motion.where, path)
-                displacement = _displacement(motion.displacement, laws)
-                twist = ZERO if motion.twist is None else laws(motion.twist)
-                hold = _clamp(loaded, geometry, motion, path, name, nodes, displacement, twist, release)
-                if motion.twist is not None and not (hold.edges.size or hold.walls.size):
-                    raise loaded.error(("motions", index, "twist"), "turns no edge of a rod: none is held")
-                holds.append(hold)
-            case Pin():
-                nodes = select_nodes(loaded, geometry, motion.where, path)
-                axes = tuple(AXES.index(c) for c in motion.components)
-                displacement = _displacement(motion.displacement, laws)
-                holds.append(Hold(name, nodes, axes, displacement, _NONE, ZERO, _NONE, _NONE, _NONE, release))
-            case Twist():
-                edges = select_edges(loaded, geometry, motion.where, path)
-                holds.append(
-                    Hold(
-                        name,
-                        _NONE,
-                        (),
-                        (ZERO, ZERO, ZERO),
-                        edges,
-                        laws(motion.angle),
-                        _NONE,
-                        _NONE,
-                        _NONE,
-                        release,
-                    )
-                )
-            case _:
-                assert_never(motion)
-    return tuple(holds)
+    return tuple(_hold(scene, index, motion) for index, motion in enumerate(scene.scenario.motions))
 
 
 def twists(hold: Hold) -> bool:
@@ -114,68 +73,93 @@ def twists(hold: Hold) -> bool:
     return not vanishes(hold.twist)
 
 
-def _displacement(specs: object, laws: ToLaw) -> tuple[Law, Law, Law]:
+def _hold(scene: Scene, index: int, motion: Motion) -> Hold:
+    where = ("motions", index, "where")
+    hold = Hold(name=f"motions[{index}]", release=inf if motion.release is None else motion.release)
+    match motion:
+        case Symmetry():
+            nodes = scene.places.nodes(where)
+            return replace(hold, nodes=nodes, axes=(_mirror_axis(scene, index, motion),), sloped=nodes)
+        case Clamp():
+            hold = replace(
+                hold,
+                nodes=scene.places.nodes(where),
+                axes=(0, 1, 2),
+                displacement=_displacement(motion.displacement, scene.laws),
+                twist=ZERO if motion.twist is None else scene.laws(motion.twist),
+            )
+            at_edges = motion.at == "edge"
+            hold = _at_edges(hold, scene.geometry) if at_edges else _at_nodes(hold, scene, index)
+            if motion.twist is not None and not (hold.edges.size or hold.walls.size):
+                raise scene.error(("motions", index, "twist"), "turns no edge of a rod: none is held")
+            return hold
+        case Pin():
+            return replace(
+                hold,
+                nodes=scene.places.nodes(where),
+                axes=tuple(AXES.index(c) for c in motion.components),
+                displacement=_displacement(motion.displacement, scene.laws),
+            )
+        case Twist():
+            return replace(hold, edges=scene.places.edges(where), twist=scene.laws(motion.angle))
+        case _:
+            assert_never(motion)
+
+
+def _displacement(specs: tuple[LawSpec, ...] | None, laws: ToLaw) -> tuple[Law, Law, Law]:
     if specs is None:
         return ZERO, ZERO, ZERO
-    x, y, z = components(specs, laws)  # type: ignore[arg-type]
-    return x, y, z
+    x, y, z = specs
+    return laws(x), laws(y), laws(z)
 
 
-def _mirror_axis(
-    loaded: LoadedScenario,
-    geometry: Geometry,
-    motion: Symmetry,
-    path: tuple[str | int, ...],
-    nodes: IntArray,
-) -> int:
+def _mirror_axis(scene: Scene, index: int, motion: Symmetry) -> int:
     """Axis across a plane of symmetry, once the nodes are found to be in one plane and on fit shells."""
+    path, geometry = ("motions", index, "where"), scene.geometry
+    nodes = scene.places.nodes(path)
     axis = AXES.index(motion.normal)
     depth = float(np.ptp(geometry.nodes[nodes, axis]))
     if depth > _FLAT * float(np.ptp(geometry.nodes, axis=0).max()):
-        raise loaded.error(
+        raise scene.error(
             path, f"selects nodes up to {depth:.3g} m apart in {motion.normal}; a plane of symmetry is flat"
         )
-    fit = [k for k, shell in enumerate(geometry.shells) if bending_of(shell).free_normals]
+    fit = [k for k, shell in enumerate(geometry.shells) if bending_of(shell).has_normals]
     others = geometry.triangles[~np.isin(geometry.triangle_shell, fit)]
     if np.isin(nodes, others).any():
-        raise loaded.error(
+        raise scene.error(
             path, "symmetry needs mid-edge normals; with other bending, model the mirror image too"
         )
     if not np.isin(nodes, geometry.triangles).all():
-        raise loaded.error(path, "selects a node of a rod; symmetry is for shells")
+        raise scene.error(path, "selects a node of a rod; symmetry is for shells")
     return axis
 
 
-def _clamp(
-    loaded: LoadedScenario,
-    geometry: Geometry,
-    motion: Clamp,
-    path: tuple[str | int, ...],
-    name: str,
-    nodes: IntArray,
-    displacement: tuple[Law, Law, Law],
-    twist: Law,
-    release: float,
-) -> Hold:
-    axes = (0, 1, 2)
-    touched = np.isin(geometry.edges, nodes)
-    inside = np.flatnonzero(touched.all(axis=1))
-    if motion.at == "edge":
-        # a lone node takes the next one along its rod with it: the peers' two-node clamp
-        lonely = np.setdiff1d(nodes, geometry.edges[inside])
-        beside = np.flatnonzero(np.isin(geometry.edges, lonely).any(axis=1))
-        nodes = np.union1d(nodes, geometry.edges[beside])
-        edges = np.flatnonzero(np.isin(geometry.edges, nodes).all(axis=1))
-        return Hold(name, nodes, axes, displacement, edges, twist, _NONE, _NONE, nodes, release)
-    lonely = np.setdiff1d(nodes, geometry.edges[inside])
+def _at_edges(hold: Hold, geometry: Geometry) -> Hold:
+    """A clamp of edges: a lone node takes the next along its rod with it, the peers' two-node clamp."""
+    lonely = np.setdiff1d(hold.nodes, geometry.edges[_inside(hold, geometry)])
+    beside = np.flatnonzero(np.isin(geometry.edges, lonely).any(axis=1))
+    hold = replace(hold, nodes=np.union1d(hold.nodes, geometry.edges[beside]))
+    return replace(hold, edges=_inside(hold, geometry), sloped=hold.nodes)
+
+
+def _at_nodes(hold: Hold, scene: Scene, index: int) -> Hold:
+    """A clamp at its nodes: behind a lone rod end stands a wall."""
+    geometry = scene.geometry
+    inside = _inside(hold, geometry)
+    lonely = np.setdiff1d(hold.nodes, geometry.edges[inside])
     # at a shell a rod is hinged: its direction stays free
     lonely = np.setdiff1d(lonely, geometry.on_shell)
     degree = np.bincount(geometry.edges.reshape(-1), minlength=len(geometry.nodes))
     crowded = lonely[degree[lonely] != 1]
     if crowded.size:
-        raise loaded.error(
-            path,
+        raise scene.error(
+            ("motions", index, "where"),
             f"node {crowded[0]} is no rod end: a clamp at a node inside a rod needs its "
             "neighbour selected too, or 'at: edge'",
         )
-    return Hold(name, nodes, axes, displacement, inside, twist, lonely, inside, nodes, release)
+    return replace(hold, edges=inside, walls=lonely, rigid=inside, sloped=hold.nodes)
+
+
+def _inside(hold: Hold, geometry: Geometry) -> IntArray:
+    """Edges with both nodes held."""
+    return np.flatnonzero(np.isin(geometry.edges, hold.nodes).all(axis=1))

@@ -6,11 +6,10 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...kinematics.dofs import DofMap
-from ...scenario.load import LoadedScenario
 from ...sections.mass import nodal_lengths, rod_mass
 from ...sections.shells import nodal_areas, shell_mass
 from ..bodies.geometry import Geometry
-from ..bodies.selection import select_nodes
+from ..scene import Scene
 
 
 def mass_matrix(geometry: Geometry, dofs: DofMap, payload: FloatArray) -> FloatArray:
@@ -47,13 +46,9 @@ def nodal_volume(geometry: Geometry, n_nodes: int) -> FloatArray:
     return rods + nodal_areas(n_nodes, geometry.triangles, sheets)
 
 
-def point_masses(loaded: LoadedScenario, geometry: Geometry, n_nodes: int) -> FloatArray:
-    """Point mass of each node [kg], shape (n_nodes,).
-
-    Raises:
-        ScenarioError: A selection is empty.
-    """
+def point_masses(scene: Scene, n_nodes: int) -> FloatArray:
+    """Point mass of each node [kg], shape (n_nodes,)."""
     out = np.zeros(n_nodes)
-    for index, entry in enumerate(loaded.scenario.masses):
-        out[select_nodes(loaded, geometry, entry.where, ("masses", index, "where"))] += entry.mass
+    for index, entry in enumerate(scene.scenario.masses):
+        out[scene.places.nodes(("masses", index, "where"))] += entry.mass
     return out

@@ -8,7 +8,6 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...kinematics.dofs import DofMap
-from ..bodies.geometry import Geometry
 from ..shells.topology import ShellEdges
 from .plan import Bending, Plan
 from .skeleton import Skeleton
@@ -27,12 +26,13 @@ class Numbering:
     rest: FloatArray
 
 
-def number_dofs(geometry: Geometry, plan: Plan, skeleton: Skeleton, free: ShellEdges) -> Numbering:
-    """Give DOFs to the nodes, to the edges of framed rods, and to free mid-edge normals."""
+def number_dofs(plan: Plan, skeleton: Skeleton, shell_edges: ShellEdges) -> Numbering:
+    """Give DOFs to the nodes, to the edges of framed rods, and to mid-edge normals."""
     n_angles = len(skeleton.edges) if plan.bending is Bending.FRAMED else 0
     hidden = [axis for axis in range(3) if axis not in plan.axes]
-    level = float(geometry.nodes[0, hidden[0]]) if hidden else 0.0
-    dofs = DofMap(len(skeleton.positions), n_angles, plan.axes, len(geometry.nodes), level, len(free.edges))
+    level = float(skeleton.positions[0, hidden[0]]) if hidden else 0.0
+    n_nodes, n_normals = len(skeleton.positions), len(shell_edges.edges)
+    dofs = DofMap(n_nodes, n_angles, plan.axes, skeleton.visible, level, n_normals)
     rest = np.zeros(dofs.n)
     rest[: dofs.n_positions] = dofs.project(skeleton.positions).reshape(-1)
     return Numbering(dofs, rest)

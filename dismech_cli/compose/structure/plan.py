@@ -12,7 +12,6 @@ from importlib.util import find_spec
 
 import numpy as np
 
-from ...arrays import BoolArray, IntArray
 from ...kinematics.strains import curvature_binormal
 from ...mesh.topology.rods import ChainKind, chains, rod_stencils
 from ...scenario.language.actuation import CurvatureActuation, TwistActuation
@@ -20,9 +19,8 @@ from ...scenario.language.force import Distributed, Point
 from ...scenario.language.motion import Twist
 from ...scenario.language.numerics import Static
 from ...scenario.language.probe import TwistProbe
-from ...scenario.load import LoadedScenario
 from ..bodies.geometry import Geometry
-from ..bodies.selection import select_nodes
+from ..scene import Scene
 from ..shells.bending import bending_of
 from .doubts import scene_doubts
 from .holds import Hold, twists
@@ -76,30 +74,27 @@ class Plan:
         return "\n".join(f"{d.what}: {d.why}" for d in self.decisions)
 
 
-def make_plan(
-    loaded: LoadedScenario, geometry: Geometry, holds: tuple[Hold, ...], kernels: str | None = None
-) -> Plan:
+def make_plan(scene: Scene, holds: tuple[Hold, ...], kernels: str | None = None) -> Plan:
     """Decide.
 
     Args:
-        loaded: The scenario.
-        geometry: Its rods.
+        scene: What was said, and its bodies.
         holds: Its motions.
         kernels: Those of the run that is resumed, if any.
 
     Raises:
         ScenarioError: The scene contradicts a choice of the user.
     """
-    scenario = loaded.scenario
+    scenario, geometry = scene.scenario, scene.geometry
     decisions: list[Decision] = []
     axes: tuple[int, ...] = (0, 1, 2)
     if scenario.dimension == 2:
         axes = tuple("xyz".index(c) for c in scenario.plane)
-        _check_planar(loaded, geometry, axes)
+        _check_planar(scene, axes)
         bending = Bending.PLANAR
         decisions.append(Decision(bending.value, f"dimension 2, plane {scenario.plane}"))
     elif geometry.rods:
-        bending, why = _bending(loaded, geometry, holds)
+        bending, why = _bending(scene, holds)
         decisions.append(Decision(bending.value, why))
     else:
         bending = Bending.NONE
@@ -110,32 +105,31 @@ def make_plan(
         decisions.append(Decision("no inertia", "static: mass enters the weight only"))
     if not any(force.velocity_dependent for force in scenario.forces):
         decisions.append(Decision("no damping matrix", "no force depends on velocity"))
-    kernels, why = (kernels, "as in the resumed run") if kernels else _kernels(loaded, geometry)
+    kernels, why = (kernels, "as in the resumed run") if kernels else _kernels(scene)
     decisions.append(Decision(f"kernels by {kernels}", why))
-    return Plan(
-        axes, bending, static, kernels, tuple(decisions), tuple(scene_doubts(loaded, geometry, holds))
-    )
+    return Plan(axes, bending, static, kernels, tuple(decisions), tuple(scene_doubts(scene, holds)))
 
 
-def _check_planar(loaded: LoadedScenario, geometry: Geometry, axes: tuple[int, ...]) -> None:
+def _check_planar(scene: Scene, axes: tuple[int, ...]) -> None:
     (normal,) = {0, 1, 2}.difference(axes)
-    out = geometry.nodes[:, normal]
-    size = float(np.ptp(geometry.nodes, axis=0).max())
+    nodes = scene.geometry.nodes
+    out = nodes[:, normal]
+    size = float(np.ptp(nodes, axis=0).max())
     if np.ptp(out) > 1e-9 * size:
-        raise loaded.error(
+        raise scene.error(
             ("dimension",),
             f"the scene is not planar: nodes spread over {np.ptp(out):.3g} m in {'xyz'[normal]}, "
-            f"out of plane {loaded.scenario.plane}",
+            f"out of plane {scene.scenario.plane}",
         )
 
 
-def _bending(loaded: LoadedScenario, geometry: Geometry, holds: tuple[Hold, ...]) -> tuple[Bending, str]:
-    obstacle = _needs_frames(loaded, geometry, holds)
-    for index, rod in loaded.scenario.rods.items():
+def _bending(scene: Scene, holds: tuple[Hold, ...]) -> tuple[Bending, str]:
+    obstacle = _needs_frames(scene, holds)
+    for index, rod in scene.scenario.rods.items():
         if rod.bending == "framed":
             return Bending.FRAMED, f"asked for by rod '{rod.name}'"
         if rod.bending == "isotropic" and obstacle:
-            raise loaded.error(
+            raise scene.error(
                 ("geometry", index, "bending"), f"isotropic bending is not exact here: {obstacle}"
             )
     if obstacle:
@@ -150,16 +144,16 @@ def _shells(geometry: Geometry) -> Iterator[Decision]:
     for shell in geometry.shells:
         count = len(geometry.triangles_of(shell.name))
         bending = bending_of(shell)
-        if bending.free_normals:
+        if bending.has_normals:
             what = f"mid-edge normals on shell '{shell.name}': one angle per edge of {count} triangles"
         else:
             what = f"no mid-edge normals on shell '{shell.name}': no DOFs beside its nodes"
         yield Decision(what, f"bending: {shell.bending}, {bending.plate}")
 
 
-def _needs_frames(loaded: LoadedScenario, geometry: Geometry, holds: tuple[Hold, ...]) -> str:
+def _needs_frames(scene: Scene, holds: tuple[Hold, ...]) -> str:
     """Why twist matters, or nothing."""
-    scenario = loaded.scenario
+    scenario, geometry = scene.scenario, scene.geometry
     for rod, properties in zip(geometry.rods, geometry.properties, strict=True):
         if not properties.isotropic:
             return f"the section of rod '{rod.name}' is stiffer in one direction"
@@ -173,7 +167,7 @@ def _needs_frames(loaded: LoadedScenario, geometry: Geometry, holds: tuple[Hold,
         return "a rod is closed or branches"
     if any(force.turns_rods for force in scenario.forces):
         return "a moment acts"
-    if _follows_a_rod(loaded, geometry):
+    if _follows_a_rod(scene):
         return "a load turns with a rod"
     if any(isinstance(motion, Twist) for motion in scenario.motions) or any(twists(hold) for hold in holds):
         return "a motion turns an edge about the rod"
@@ -191,14 +185,14 @@ def _needs_frames(loaded: LoadedScenario, geometry: Geometry, holds: tuple[Hold,
     return ""
 
 
-def _follows_a_rod(loaded: LoadedScenario, geometry: Geometry) -> bool:
+def _follows_a_rod(scene: Scene) -> bool:
     """Whether a load turns with an edge of a rod."""
-    for index, force in enumerate(loaded.scenario.forces):
+    for index, force in enumerate(scene.scenario.forces):
         if isinstance(force, Distributed) and force.follower:
             return True
         if isinstance(force, Point) and force.follower:
-            nodes = select_nodes(loaded, geometry, force.where, ("forces", index, "where"))
-            if np.isin(nodes, geometry.edges).any():
+            nodes = scene.places.nodes(("forces", index, "where"))
+            if np.isin(nodes, scene.geometry.edges).any():
                 return True
     return False
 
@@ -217,12 +211,12 @@ def _most_held(geometry: Geometry, holds: tuple[Hold, ...]) -> int:
     return most
 
 
-def _kernels(loaded: LoadedScenario, geometry: Geometry) -> tuple[str, str]:
-    numerics = loaded.scenario.numerics
+def _kernels(scene: Scene) -> tuple[str, str]:
+    numerics, geometry = scene.scenario.numerics, scene.geometry
     present = find_spec("numba") is not None
     if numerics.kernels == "numba":
         if not present:
-            raise loaded.error(("numerics", "kernels"), "numba is not installed; pip install 'dismech[fast]'")
+            raise scene.error(("numerics", "kernels"), "numba is not installed; pip install 'dismech[fast]'")
         return "numba", "asked for"
     if numerics.kernels == "numpy":
         return "numpy", "asked for"
@@ -237,21 +231,3 @@ def _kernels(loaded: LoadedScenario, geometry: Geometry) -> tuple[str, str]:
     if work < _COMPILE_WORTH:
         return "numpy", "the run is shorter than compiling the kernels"
     return "numba", "the run is long enough to repay compiling"
-
-
-def free_joints(geometry: Geometry, triples: IntArray, rods: IntArray) -> BoolArray:
-    """Mask of the joints through which bending and twist pass: hinges left out, shape (J,).
-
-    Args:
-        geometry: The rods.
-        triples: Nodes of the joints, shape (J, 3).
-        rods: Rods of their two edges, shape (J, 2).
-    """
-    centre = triples[:, 1]
-    released = np.isin(centre, geometry.hinges)
-    same = rods[:, 0] == rods[:, 1]
-    released |= np.isin(centre, geometry.rod_hinges) & ~same
-    node, rod = geometry.parted.T
-    released |= np.isin(centre * len(geometry.rods) + rods[:, 0], node * len(geometry.rods) + rod) & same
-    kept: BoolArray = ~released
-    return kept

@@ -6,33 +6,24 @@ from math import inf
 
 import numpy as np
 
-from ...arrays import FloatArray, IntArray
+from ...arrays import IntArray
 from ...kinematics.motion import Motion
 from ...laws.laws import Law
-from ...scenario.load import LoadedScenario
 from ..laws import vanishes
-from ..shells.topology import ShellEdges
-from .holds import AXES, ZERO, Hold
-from .numbering import Numbering
-from .skeleton import Skeleton
+from ..scene import Scene
+from .holds import AXES, ZERO
+from .structure import Structure
 
 
-def build_motions(
-    loaded: LoadedScenario,
-    holds: tuple[Hold, ...],
-    skeleton: Skeleton,
-    free: ShellEdges,
-    numbering: Numbering,
-) -> tuple[Motion, ...]:
+def build_motions(scene: Scene, structure: Structure) -> tuple[Motion, ...]:
     """Hold node positions, edge angles, mid-edge normals, and the walls behind clamped rod ends.
 
     Raises:
         ScenarioError: A motion leaves the plane of a planar scene, or two motions hold one DOF and do
             not both keep it at rest for good.
     """
-    dofs, rest = numbering.dofs, numbering.rest
-    n_nodes = len(skeleton.positions) - len(skeleton.wall_nodes)
-    n_edges = len(skeleton.edges) - len(skeleton.wall_nodes)
+    dofs, skeleton = structure.dofs, structure.skeleton
+    n_nodes, n_edges = len(scene.geometry.nodes), len(scene.geometry.edges)
     motions: list[Motion] = []
     owner = np.full(dofs.n, -1)
     resting = np.zeros(dofs.n, dtype=np.bool_)
@@ -47,18 +38,18 @@ def build_motions(
         rival = owner[held].max()
         if rival >= 0:
             twice = dofs.describe(int(held[np.argmax(owner[held])]))
-            raise loaded.error(("motions", index), f"holds {twice}, which motions[{rival}] holds already")
+            raise scene.error(("motions", index), f"holds {twice}, which motions[{rival}] holds already")
         owner[held] = index
-        motions.append(Motion(label, held, rest[held], law, release))
+        motions.append(Motion(label, held, structure.rest[held], law, release))
 
-    for index, one in enumerate(holds):
+    for index, one in enumerate(structure.holds):
         walls = np.flatnonzero(np.isin(skeleton.wall_nodes, one.walls))
         nodes = np.concatenate((one.nodes, n_nodes + walls))
         for axis in range(3):
             law = one.displacement[axis]
             if axis not in dofs.axes:
                 if not vanishes(law):
-                    raise loaded.error(
+                    raise scene.error(
                         ("motions", index, "displacement", axis),
                         f"{AXES[axis]} is out of the plane of the scene",
                     )
@@ -70,30 +61,7 @@ def build_motions(
             edges = np.concatenate((one.edges, n_edges + walls))
             hold(index, f"{one.name} twist", dofs.of_angles(edges), one.twist, one.release)
         elif not vanishes(one.twist):
-            raise loaded.error(("motions", index), "turns no edge: the scene has no rod that can twist")
-        normals = np.flatnonzero(np.isin(free.edges, one.sloped).all(axis=1))
+            raise scene.error(("motions", index), "turns no edge: the scene has no rod that can twist")
+        normals = np.flatnonzero(np.isin(structure.shell_edges.edges, one.sloped).all(axis=1))
         hold(index, f"{one.name} normals", dofs.of_normals(normals), ZERO, one.release)
     return tuple(motions)
-
-
-def initial_velocity(
-    loaded: LoadedScenario, velocities: list[tuple[IntArray, FloatArray]], numbering: Numbering
-) -> FloatArray:
-    """Velocity of every DOF at t = 0, shape (n,).
-
-    Args:
-        loaded: For messages.
-        velocities: Nodes and their space velocities [m/s], shapes (K,) and (K, 3).
-        numbering: DOFs.
-
-    Raises:
-        ScenarioError: A velocity leaves the plane of a planar scene.
-    """
-    dofs = numbering.dofs
-    v = np.zeros(dofs.n)
-    for index, (nodes, values) in enumerate(velocities):
-        hidden = [axis for axis in range(3) if axis not in dofs.axes]
-        if np.any(values[:, hidden]):
-            raise loaded.error(("initial_velocity", index), "has a part out of the plane of the scene")
-        v[dofs.of_nodes(nodes)] = values[:, list(dofs.axes)]
-    return v

@@ -11,7 +11,6 @@ from ...kinematics.strains import lengths
 from ...mesh.topology.rods import chains, rod_stencils
 from ..bodies.geometry import Geometry
 from .holds import Hold
-from .plan import free_joints
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,6 +53,11 @@ class Skeleton:
     wall_nodes: IntArray
     rest_lengths: FloatArray
     joints: Joints
+
+    @property
+    def visible(self) -> int:
+        """Nodes of the geometry; those of walls come after them."""
+        return len(self.positions) - len(self.wall_nodes)
 
 
 def make_skeleton(geometry: Geometry, holds: tuple[Hold, ...]) -> Skeleton:
@@ -103,7 +107,7 @@ def _joints(
 ) -> Joints:
     triples, pairs, signs = rod_stencils(n_nodes, edges)
     rods = edge_rod[pairs]
-    kept = free_joints(geometry, triples, rods)
+    kept = _passing(geometry, triples, rods)
     triples, pairs, signs, rods = triples[kept], pairs[kept], signs[kept], rods[kept]
     half = np.where(rigid, 0.0, 0.5 * rest)
     voronoi = half[pairs].sum(axis=1)
@@ -111,6 +115,24 @@ def _joints(
     voronoi = np.where(voronoi > 0.0, voronoi, 0.5 * rest[pairs].sum(axis=1))
     rod = np.where(rods[:, 0] == rods[:, 1], rods[:, 0], -1)
     return Joints(triples, pairs, signs.astype(np.float64), voronoi, rod, _numbers(geometry, triples, rod))
+
+
+def _passing(geometry: Geometry, triples: IntArray, rods: IntArray) -> BoolArray:
+    """Mask of the joints through which bending and twist pass: hinges left out, shape (J,).
+
+    Args:
+        geometry: The rods.
+        triples: Nodes of the joints, shape (J, 3).
+        rods: Rods of their two edges, shape (J, 2).
+    """
+    centre = triples[:, 1]
+    released = np.isin(centre, geometry.hinges)
+    same = rods[:, 0] == rods[:, 1]
+    released |= np.isin(centre, geometry.rod_hinges) & ~same
+    node, rod = geometry.parted.T
+    released |= np.isin(centre * len(geometry.rods) + rods[:, 0], node * len(geometry.rods) + rod) & same
+    kept: BoolArray = ~released
+    return kept
 
 
 def _numbers(geometry: Geometry, triples: IntArray, rod: IntArray) -> IntArray:

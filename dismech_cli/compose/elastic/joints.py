@@ -1,0 +1,52 @@
+"""What every bending model of rods asks of their joints: DOFs, stiffness, natural strains."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...arrays import FloatArray, IntArray
+from ...kinematics.dofs import DofMap
+from ..bodies.geometry import Geometry
+from ..scene import Scene
+from ..structure.skeleton import Joints, Skeleton
+
+
+def node_dofs(dofs: DofMap, nodes: IntArray) -> IntArray:
+    """DOFs of the nodes of each stencil, shape (K, m dimension)."""
+    return dofs.of_nodes(nodes).reshape(len(nodes), -1)
+
+
+def in_series(geometry: Geometry, skeleton: Skeleton, name: str) -> FloatArray:
+    """Stiffness of each joint: the two half edges bend or twist in series; 0 where it is released."""
+    j = skeleton.joints
+    per_edge = geometry.per_edge(name)
+    per_edge = np.concatenate((per_edge, per_edge[skeleton.owners]))
+    k = per_edge[j.pairs]
+    same = k[:, 0] == k[:, 1]
+    half = 0.5 * skeleton.rest_lengths[j.pairs]
+    series = half.sum(axis=1) / (half / k).sum(axis=1)
+    what = "twist" if name == "torsional" else "bending"
+    loose = (j.rod < 0) & np.isin(j.triples[:, 1], geometry.released[what])
+    loose |= np.isin(j.triples[:, 1], geometry.loosened[what])
+    return np.where(loose, 0.0, np.where(same, k[:, 0], series))
+
+
+def natural_density(scene: Scene, joints: Joints, rod: int, name: str) -> FloatArray | None:
+    """Natural strain per length that the user gives the joints of a rod, or None; shape (J_rod,).
+
+    Raises:
+        ScenarioError: A list has not one value per joint.
+    """
+    value = getattr(scene.geometry.rods[rod].natural, name)
+    if value is None:
+        return None
+    members = np.flatnonzero(joints.rod == rod)
+    if isinstance(value, float):
+        return np.full(len(members), value)
+    count = int(joints.number[members].max(initial=-1)) + 1
+    if len(value) != count:
+        raise scene.error(
+            ("geometry", scene.geometry.rod_keys[rod], "natural", name),
+            f"{len(value)} values for {count} joints; expected one per joint",
+        )
+    return np.array(value)[joints.number[members]]

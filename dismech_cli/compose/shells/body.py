@@ -1,0 +1,53 @@
+"""One shell on the way to its energies, and what all shells stand on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+from ...arrays import FloatArray, IntArray
+from ...kinematics.dofs import DofMap
+from ...kinematics.shell_frames import ShellFrames
+from ...mesh.topology.shells import ShellTopology
+from ...scenario.language.geometry import Shell
+from ...sections.shells import adjacent_areas, triangle_areas
+from ..bodies.shell import ShellProperties
+
+
+@dataclass(frozen=True, slots=True)
+class ShellBody:
+    """What belongs to one shell alone.
+
+    Attributes:
+        shell: As in the scenario.
+        sheet: Its stiffness.
+        triangles: Its triangles, shape (T, 3).
+        topology: Its edges and hinges, in the scene's node numbers.
+        first: Number of its first edge among those that carry a normal.
+    """
+
+    shell: Shell
+    sheet: ShellProperties
+    triangles: IntArray
+    topology: ShellTopology
+    first: int
+
+    def adjacent_areas(self, positions: FloatArray) -> FloatArray:
+        """Area of the triangles at each edge [m^2], shape (B,)."""
+        return adjacent_areas(self.topology.edge_faces, triangle_areas(positions, self.triangles))
+
+
+class Ground(Protocol):
+    """What the makers of energies may look at beside the shell: a part of the structure."""
+
+    @property
+    def dofs(self) -> DofMap:
+        """Numbering."""
+
+    @property
+    def positions(self) -> FloatArray:
+        """Rest positions of all nodes with DOFs [m], shape (n_nodes, 3)."""
+
+    @property
+    def normals(self) -> ShellFrames:
+        """Frames of the edges that carry a normal."""
