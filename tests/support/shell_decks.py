@@ -1,4 +1,4 @@
-"""Scenes of shells written by tests, and fixtures that build, run or refuse them."""
+"""Scenes of shells written by tests, and fixtures that compose, run or refuse them."""
 
 from __future__ import annotations
 
