@@ -60,6 +60,25 @@ class Skeleton:
         return len(self.positions) - len(self.wall_nodes)
 
 
+@dataclass(frozen=True, slots=True)
+class _Edges:
+    """All edges, walls included.
+
+    Attributes:
+        n_nodes: Nodes, those of walls included.
+        ends: Their nodes, shape (E + W, 2).
+        rest: Their lengths [m], shape (E + W,).
+        rigid: Whether they bend nothing, shape (E + W,).
+        rod: Their rods, shape (E + W,).
+    """
+
+    n_nodes: int
+    ends: IntArray
+    rest: FloatArray
+    rigid: BoolArray
+    rod: IntArray
+
+
 def make_skeleton(geometry: Geometry, holds: tuple[Hold, ...]) -> Skeleton:
     """Add a wall edge behind every rod end that is clamped at its node.
 
@@ -93,26 +112,19 @@ def make_skeleton(geometry: Geometry, holds: tuple[Hold, ...]) -> Skeleton:
         owners,
         wall_nodes,
         rest,
-        _joints(geometry, len(all_positions), all_edges, rest, rigid, edge_rod),
+        _joints(geometry, _Edges(len(all_positions), all_edges, rest, rigid, edge_rod)),
     )
 
 
-def _joints(
-    geometry: Geometry,
-    n_nodes: int,
-    edges: IntArray,
-    rest: FloatArray,
-    rigid: BoolArray,
-    edge_rod: IntArray,
-) -> Joints:
-    triples, pairs, signs = rod_stencils(n_nodes, edges)
-    rods = edge_rod[pairs]
+def _joints(geometry: Geometry, edges: _Edges) -> Joints:
+    triples, pairs, signs = rod_stencils(edges.n_nodes, edges.ends)
+    rods = edges.rod[pairs]
     kept = _passing(geometry, triples, rods)
     triples, pairs, signs, rods = triples[kept], pairs[kept], signs[kept], rods[kept]
-    half = np.where(rigid, 0.0, 0.5 * rest)
+    half = np.where(edges.rigid, 0.0, 0.5 * edges.rest)
     voronoi = half[pairs].sum(axis=1)
     # between two held edges nothing can bend; any length will do
-    voronoi = np.where(voronoi > 0.0, voronoi, 0.5 * rest[pairs].sum(axis=1))
+    voronoi = np.where(voronoi > 0.0, voronoi, 0.5 * edges.rest[pairs].sum(axis=1))
     rod = np.where(rods[:, 0] == rods[:, 1], rods[:, 0], -1)
     return Joints(triples, pairs, signs.astype(np.float64), voronoi, rod, _numbers(geometry, triples, rod))
 
