@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ast
-import difflib
 import math
 import warnings
 from collections.abc import Callable, Mapping, Sequence
@@ -14,6 +13,7 @@ import numpy as np
 
 from ..arrays import FloatArray
 from ..errors import ScenarioError
+from ..words import hint
 from .waves import sawtooth, smoothstep, square, step
 
 Value: TypeAlias = FloatArray | float
@@ -168,11 +168,11 @@ class _Builder:
             return lambda at: at[name]
         if name in FUNCTIONS:
             raise self._error(node, f"{name} is a function: write {name}(...)")
-        raise self._error(node, f"unknown name {name!r}{_hint(name, [*self.known, *CONSTANTS, *FUNCTIONS])}")
+        raise self._error(node, f"unknown name {name!r}{hint(name, [*self.known, *CONSTANTS, *FUNCTIONS])}")
 
     def _call(self, node: ast.expr, name: str, args: list[ast.expr], depth: int) -> Program:
         if name not in FUNCTIONS:
-            raise self._error(node, f"unknown function {name!r}{_hint(name, list(FUNCTIONS))}")
+            raise self._error(node, f"unknown function {name!r}{hint(name, list(FUNCTIONS))}")
         f, least, most = FUNCTIONS[name]
         if not least <= len(args) <= most:
             wanted = str(least) if least == most else f"{least} to {most}"
@@ -208,8 +208,3 @@ class _Builder:
 
 def _constant(value: float) -> Program:
     return lambda at: value
-
-
-def _hint(name: str, known: list[str]) -> str:
-    close = difflib.get_close_matches(name, known, n=1)
-    return f"; did you mean {close[0]!r}?" if close else ""
