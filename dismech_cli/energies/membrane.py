@@ -20,8 +20,9 @@ from ..geometry.kernel import kernel
 from ..geometry.vectors import add_identity, combine, dot, scale, sym_outer
 from ..kernels.shape import Kernel
 from ..kinematics.dofs import DofMap
+from ..kinematics.strains import rest_metric
 from ..model.stencil import StencilEnergy, no_auxiliaries
-from ..sections.shells import plane_stress_stiffness, rest_metric
+from ..sections.shells import plane_stress_stiffness
 
 
 @kernel

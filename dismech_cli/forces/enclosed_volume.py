@@ -11,9 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.sparse import csr_matrix
-from scipy.sparse.csgraph import connected_components
 
 from ..arrays import FloatArray, IntArray
+from ..mesh.topology.components import components
+from ..mesh.topology.sides import rim_sides
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,14 +38,10 @@ class EnclosedVolume:
             n_nodes: Nodes of the model.
             triangles: Shape (T, 3).
         """
-        sides = triangles[:, [1, 2, 2, 0, 0, 1]].reshape(-1, 2)
-        low, high = sides.min(axis=1), sides.max(axis=1)
-        _, inverse, counts = np.unique(low * n_nodes + high, return_inverse=True, return_counts=True)
-        rim = sides[counts[inverse.reshape(-1)] == 1]
-        joined = csr_matrix((np.ones(len(rim)), (rim[:, 0], rim[:, 1])), shape=(n_nodes, n_nodes))
+        rim = rim_sides(triangles)
         nodes = np.unique(rim)
         label = np.full(n_nodes, -1, dtype=np.int64)
-        parts = connected_components(joined, directed=False)[1]
+        _, parts = components(n_nodes, rim)
         rims, label[nodes] = np.unique(parts[nodes], return_inverse=True)
         # A fan triangle runs along its rim edge against the shell's own triangle.
         fans = np.stack((rim[:, 1], rim[:, 0], n_nodes + label[rim[:, 0]]), axis=1)

@@ -16,6 +16,7 @@ from ..kernels.driver import Driver
 from ..kernels.linearization import Coupling, Linearization, Pattern
 from ..kinematics.dofs import DofMap
 from ..laws.laws import Law
+from ..mesh.topology.sides import rim_sides
 from ..model.clique import BoundCliques
 from ..model.configuration import Configuration
 from ..model.term import BoundTerm, Term
@@ -31,9 +32,7 @@ def pressure(name: str, dofs: DofMap, triangles: IntArray, law: Law) -> Term:
         law: Pressure [Pa] over time; positive pushes along the normals.
     """
     corners = dofs.of_nodes(triangles).reshape(len(triangles), 9)
-    sides = triangles[:, [1, 2, 2, 0, 0, 1]].reshape(-1, 2)
-    keys = sides.min(axis=1) * dofs.n_nodes + sides.max(axis=1)
-    if (np.unique(keys, return_counts=True)[1] > 1).all():
+    if not len(rim_sides(triangles)):
         return VolumePressure(name, corners, law)
     return FollowerPressure(name, corners, law)
 

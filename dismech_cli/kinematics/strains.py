@@ -1,4 +1,4 @@
-"""Measured strains of rods, for rest shapes, results and controllers."""
+"""Measured strains of rods and shells, for rest shapes, results and controllers."""
 
 from __future__ import annotations
 
@@ -6,14 +6,8 @@ import numpy as np
 
 from ..arrays import FloatArray, IntArray
 from ..geometry.curvature import curvature_slopes, edge_pair, turned
-from ..geometry.vectors import scale
-
-
-def lengths(positions: FloatArray, edges: IntArray) -> FloatArray:
-    """Edge lengths [m], shape (E,)."""
-    e = positions[edges[:, 1]] - positions[edges[:, 0]]
-    out: FloatArray = np.sqrt((e * e).sum(axis=1))
-    return out
+from ..geometry.vectors import dot, scale
+from ..mesh.measure import side_vectors, triangle_areas
 
 
 def curvature_binormal(positions: FloatArray, nodes: IntArray) -> FloatArray:
@@ -65,6 +59,30 @@ def planar_curvature(positions: FloatArray, nodes: IntArray) -> FloatArray:
     size = np.sqrt((e * e).sum(axis=1) * (f * f).sum(axis=1))
     out: FloatArray = 2.0 * sine / (size + cosine)
     return out
+
+
+def rest_metric(nodes: FloatArray, triangles: IntArray) -> FloatArray:
+    """Metric (a.a, b.b, a.b) of a = x1 - x0, b = x2 - x0 [m^2], shape (3, T)."""
+    a = (nodes[triangles[:, 1]] - nodes[triangles[:, 0]]).T
+    b = (nodes[triangles[:, 2]] - nodes[triangles[:, 0]]).T
+    # in the order of sums of the kernels: the rest shape is then stress-free to the last bit
+    return np.stack([dot(a, a), dot(b, b), dot(a, b)])
+
+
+def angles_of_curvature(nodes: FloatArray, triangles: IntArray, curvature: FloatArray) -> FloatArray:
+    """Edge angles [rad], shape (3, T), of triangles whose shape operator is ``curvature``.
+
+    Args:
+        nodes: Rest positions [m], shape (N, 3).
+        triangles: Shape (T, 3).
+        curvature: Symmetric tensors [1/m], shape (T, 3, 3); positive where normals diverge (a
+            sphere with outward normals). Their parts across the triangle do not count.
+    """
+    sides = side_vectors(nodes, triangles)
+    along = np.einsum("kti,tij,ktj->kt", sides, curvature, sides)
+    length = np.linalg.norm(sides, axis=2)
+    angles: FloatArray = length * (along.sum(axis=0) - 2.0 * along) / (8.0 * triangle_areas(nodes, triangles))
+    return angles
 
 
 def _edge_vectors(positions: FloatArray, nodes: IntArray) -> tuple[FloatArray, FloatArray]:

@@ -9,8 +9,11 @@ import numpy as np
 from ..arrays import BoolArray, FloatArray, IntArray
 from ..errors import MeshError
 from .files.source import MAX_COORDINATE, Lines, check_count
+from .measure import area_vectors, edge_lengths, triangle_areas
 from .mesh import Mesh
-from .topology.orient import half_edges, reverse, reversed_triangles
+from .topology.components import components
+from .topology.orient import reverse, reversed_triangles
+from .topology.sides import half_edges, shared_sides
 
 LENGTH_TOLERANCE = 1e-12
 """Shortest edge, as a fraction of the diagonal of the bounding box."""
@@ -141,8 +144,7 @@ def _coincident(unit: FloatArray) -> IntArray:
 
 
 def _check_edges(edges: IntArray, unit: FloatArray, where: str, at: IntArray | None) -> None:
-    length: FloatArray = np.linalg.norm(unit[edges[:, 1]] - unit[edges[:, 0]], axis=1)
-    _refuse(length < LENGTH_TOLERANCE, edges, "edge", "has zero length", where, at)
+    _refuse(edge_lengths(unit, edges) < LENGTH_TOLERANCE, edges, "edge", "has zero length", where, at)
     _refuse(_repeated(edges), edges, "edge", "repeats an earlier edge", where, at)
 
 
@@ -157,8 +159,8 @@ def _check_triangles(mesh: Mesh, unit: FloatArray, where: str, at: IntArray | No
     triangles = mesh.triangles
     if not len(triangles):
         return mesh
-    area: FloatArray = 0.5 * np.linalg.norm(_normals(unit, triangles), axis=1)
-    _refuse(area < AREA_TOLERANCE, triangles, "triangle", "has zero area", where, at)
+    flat = triangle_areas(unit, triangles) < AREA_TOLERANCE
+    _refuse(flat, triangles, "triangle", "has zero area", where, at)
     _refuse(_repeated(triangles), triangles, "triangle", "repeats an earlier triangle", where, at)
 
     ordered = np.sort(half_edges(triangles), axis=1)
@@ -184,19 +186,10 @@ def _check_triangles(mesh: Mesh, unit: FloatArray, where: str, at: IntArray | No
     return mesh
 
 
-def _normals(nodes: FloatArray, triangles: IntArray) -> FloatArray:
-    """Cross products of two sides, shape (T, 3): twice the area times the unit normal."""
-    corner = nodes[triangles[:, 0]]
-    return np.cross(nodes[triangles[:, 1]] - corner, nodes[triangles[:, 2]] - corner)
-
-
 def _check_folds(triangles: IntArray, unit: FloatArray, where: str, at: IntArray | None) -> None:
     """Refuse neighbours lying flat on each other: their hinge angle of pi has no sign."""
-    ordered = np.sort(half_edges(triangles), axis=1)
-    order = np.lexsort((ordered[:, 1], ordered[:, 0]))
-    shared = (ordered[order[1:]] == ordered[order[:-1]]).all(axis=1)
-    one, two = order[:-1][shared] // 3, order[1:][shared] // 3
-    normal = _normals(unit, triangles)
+    one, two = (side // 3 for side in shared_sides(triangles))
+    normal = area_vectors(unit, triangles)
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     flat = np.einsum("ij,ij->i", normal[one], normal[two]) < -1.0 + FOLD_TOLERANCE
     folded = np.zeros(len(triangles), dtype=np.bool_)
@@ -224,13 +217,8 @@ def _drop_unused(mesh: Mesh, used: BoolArray) -> Mesh:
 
 
 def _note_components(mesh: Mesh) -> Mesh:
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
     pairs = np.concatenate([mesh.edges, mesh.triangles[:, :2], mesh.triangles[:, 1:]])
-    count = len(mesh.nodes)
-    graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
-    components = int(connected_components(graph, directed=False)[0])
-    if components == 1:
+    pieces, _ = components(len(mesh.nodes), pairs)
+    if pieces == 1:
         return mesh
-    return replace(mesh, notes=(*mesh.notes, f"The mesh has {components} components that share no node."))
+    return replace(mesh, notes=(*mesh.notes, f"The mesh has {pieces} components that share no node."))

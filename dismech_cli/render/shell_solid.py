@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
+from ..mesh.measure import area_vectors
+from ..mesh.topology.sides import rim_sides
 from ..output.frame import Topology
 from .coloring import cells_to_nodes
 
@@ -59,11 +61,10 @@ class ShellSolid:
 
 def vertex_normals(points: FloatArray, triangles: IntArray) -> FloatArray:
     """Unit normals at the vertices, averaged by area; shape as ``points``."""
-    a, b, c = (points[triangles[:, corner]] for corner in range(3))
-    doubled_area = np.cross(b - a, c - a)
+    area = area_vectors(points, triangles)
     total = np.zeros_like(points)
     for corner in range(3):
-        np.add.at(total, triangles[:, corner], doubled_area)
+        np.add.at(total, triangles[:, corner], area)
     return np.asarray(total / np.maximum(np.linalg.norm(total, axis=1, keepdims=True), 1e-300))
 
 
@@ -76,7 +77,7 @@ def _make_shell(topology: Topology, body: int) -> ShellSolid:
     mine = topology.triangle_body == body
     nodes, local = np.unique(topology.triangles[mine], return_inverse=True)
     triangles = local.reshape(-1, 3)
-    rim = _boundary(triangles)
+    rim = rim_sides(triangles)
     count, edges = len(nodes), len(rim)
     quads = 2 * count + np.arange(4)[:, None] * edges + np.arange(edges)
     faces = np.concatenate(
@@ -92,10 +93,3 @@ def _make_shell(topology: Topology, body: int) -> ShellSolid:
         source=np.concatenate([nodes, nodes, a, b, b, a]),
         body=body,
     )
-
-
-def _boundary(triangles: IntArray) -> IntArray:
-    """Directed edges that belong to one triangle only, shape (B, 2)."""
-    directed = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
-    _, inverse, uses = np.unique(np.sort(directed, axis=1), axis=0, return_inverse=True, return_counts=True)
-    return np.asarray(directed[uses[inverse.ravel()] == 1], dtype=np.int64)

@@ -1,4 +1,4 @@
-"""Lumped mass of rods: half of each edge to its nodes, polar inertia to its angle."""
+"""Lumped mass: half of each edge and a third of each triangle to its nodes, polar inertia to angles."""
 
 from __future__ import annotations
 
@@ -6,12 +6,7 @@ import numpy as np
 
 from ..arrays import FloatArray, IntArray
 from ..kinematics.dofs import DofMap
-
-
-def nodal_lengths(n_nodes: int, edges: IntArray, lengths: FloatArray) -> FloatArray:
-    """Voronoi length of each node: half of every adjacent edge [m], shape (n_nodes,)."""
-    halves = np.repeat(0.5 * lengths, 2)
-    return np.bincount(edges.reshape(-1), halves, minlength=n_nodes).astype(np.float64)
+from ..mesh.measure import nodal_areas, nodal_lengths
 
 
 def rod_mass(
@@ -30,10 +25,25 @@ def rod_mass(
     Returns:
         Nodal masses [kg] on positions, rotary inertias [kg m^2] on angles.
     """
-    nodal = np.bincount(edges.reshape(-1), np.repeat(0.5 * lengths * per_length, 2), minlength=dofs.n_nodes)
     mass = np.zeros(dofs.n)
+    nodal = nodal_lengths(dofs.n_nodes, edges, lengths * per_length)
     mass[: dofs.n_positions] = np.repeat(nodal, dofs.dimension)
     # The walls behind clamps, whose angles come last, are held and weigh nothing.
     turning = min(dofs.n_angles, len(edges))
     mass[dofs.n_positions : dofs.n_positions + turning] = (lengths * polar)[:turning]
+    return mass
+
+
+def shell_mass(dofs: DofMap, triangles: IntArray, areas: FloatArray, per_area: FloatArray) -> FloatArray:
+    """Diagonal of the mass matrix, shape (n,): a third of each triangle at its corners.
+
+    Args:
+        dofs: Numbering.
+        triangles: Shape (T, 3).
+        areas: Rest areas [m^2], shape (T,).
+        per_area: Mass per area rho h [kg/m^2], shape (T,).
+    """
+    mass = np.zeros(dofs.n)
+    nodal = nodal_areas(dofs.n_nodes, triangles, areas * per_area)
+    mass[: dofs.n_positions] = np.repeat(nodal, dofs.dimension)
     return mass

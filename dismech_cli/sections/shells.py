@@ -1,4 +1,4 @@
-"""Shells: from shape and material to stiffness arrays and lumped mass."""
+"""Shells: from shape and material to stiffness arrays."""
 
 from __future__ import annotations
 
@@ -7,54 +7,8 @@ from math import sqrt
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
-from ..kinematics.dofs import DofMap
-
-
-def triangle_areas(nodes: FloatArray, triangles: IntArray) -> FloatArray:
-    """Areas [m^2], shape (T,)."""
-    x0, x1, x2 = (nodes[triangles[:, k]] for k in range(3))
-    areas: FloatArray = 0.5 * np.linalg.norm(np.cross(x1 - x0, x2 - x0), axis=1)
-    return areas
-
-
-def edge_lengths(nodes: FloatArray, edges: IntArray) -> FloatArray:
-    """Lengths [m], shape (B,)."""
-    lengths: FloatArray = np.linalg.norm(nodes[edges[:, 1]] - nodes[edges[:, 0]], axis=1)
-    return lengths
-
-
-def nodal_areas(n_nodes: int, triangles: IntArray, areas: FloatArray) -> FloatArray:
-    """A third of the area of every adjacent triangle [m^2], shape (n_nodes,)."""
-    shares = np.bincount(triangles.reshape(-1), np.repeat(areas / 3.0, 3), minlength=n_nodes)
-    return np.asarray(shares, dtype=np.float64)
-
-
-def shell_mass(dofs: DofMap, triangles: IntArray, areas: FloatArray, per_area: FloatArray) -> FloatArray:
-    """Diagonal of the mass matrix, shape (n,): a third of each triangle at its corners.
-
-    Args:
-        dofs: Numbering.
-        triangles: Shape (T, 3).
-        areas: Rest areas [m^2], shape (T,).
-        per_area: Mass per area rho h [kg/m^2], shape (T,).
-    """
-    mass = np.zeros(dofs.n)
-    nodal = nodal_areas(dofs.n_nodes, triangles, areas * per_area)
-    mass[: dofs.n_positions] = np.repeat(nodal, dofs.dimension)
-    return mass
-
-
-def rest_metric(nodes: FloatArray, triangles: IntArray) -> FloatArray:
-    """Metric (a.a, b.b, a.b) of a = x1 - x0, b = x2 - x0 [m^2], shape (3, T)."""
-    a = nodes[triangles[:, 1]] - nodes[triangles[:, 0]]
-    b = nodes[triangles[:, 2]] - nodes[triangles[:, 0]]
-    return np.stack([_dot(a, a), _dot(b, b), _dot(a, b)])
-
-
-def _dot(a: FloatArray, b: FloatArray) -> FloatArray:
-    # the order of sums of the kernels: the rest shape is then stress-free to the last bit
-    product: FloatArray = a[:, 0] * b[:, 0] + a[:, 1] * b[:, 1] + a[:, 2] * b[:, 2]
-    return product
+from ..geometry.vectors import dot
+from ..mesh.measure import side_vectors, triangle_areas
 
 
 def plane_stress_stiffness(
@@ -124,18 +78,6 @@ def midedge_springs(
     return 2.0 * youngs_modulus * thickness * lengths / (1.0 - poisson_ratio**2)
 
 
-def adjacent_areas(edge_faces: IntArray, areas: FloatArray) -> FloatArray:
-    """Sum of the areas of the one or two triangles at each edge [m^2], shape (B,).
-
-    Args:
-        edge_faces: Triangles at each edge, -1 where there is no second, shape (B, 2).
-        areas: Shape (T,).
-    """
-    second = np.where(edge_faces[:, 1] >= 0, areas[edge_faces[:, 1]], 0.0)
-    total: FloatArray = areas[edge_faces[:, 0]] + second
-    return total
-
-
 def hinge_stiffness(youngs_modulus: float, thickness: float, count: int) -> FloatArray:
     """Hinge stiffness (2/sqrt(3)) E h^3 / 12 [N m], shape (H,).
 
@@ -180,36 +122,14 @@ def bending_stiffness(
         poisson_ratio: nu [1].
         thickness: h [m].
     """
-    sides = _sides(nodes, triangles)
+    sides = side_vectors(nodes, triangles)
     area = triangle_areas(nodes, triangles)
     rigidity = youngs_modulus * thickness**3 / (12.0 * (1.0 - poisson_ratio**2))
     length = np.linalg.norm(sides, axis=2)
     entries = []
     for i, j in ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)):
         # rotating both sides by a quarter turn leaves t_i.t_j = v_i.v_j
-        inner = _dot(sides[i], sides[j]) ** 2 / (length[i] * length[j])
+        inner = dot(sides[i].T, sides[j].T) ** 2 / (length[i] * length[j])
         trace = length[i] * length[j]
         entries.append(rigidity / area * ((1.0 - poisson_ratio) * inner + poisson_ratio * trace))
     return np.stack(entries)
-
-
-def angles_of_curvature(nodes: FloatArray, triangles: IntArray, curvature: FloatArray) -> FloatArray:
-    """Edge angles [rad], shape (3, T), of triangles whose shape operator is ``curvature``.
-
-    Args:
-        nodes: Rest positions [m], shape (N, 3).
-        triangles: Shape (T, 3).
-        curvature: Symmetric tensors [1/m], shape (T, 3, 3); positive where normals diverge (a
-            sphere with outward normals). Their parts across the triangle do not count.
-    """
-    sides = _sides(nodes, triangles)
-    along = np.einsum("kti,tij,ktj->kt", sides, curvature, sides)
-    length = np.linalg.norm(sides, axis=2)
-    angles: FloatArray = length * (along.sum(axis=0) - 2.0 * along) / (8.0 * triangle_areas(nodes, triangles))
-    return angles
-
-
-def _sides(nodes: FloatArray, triangles: IntArray) -> FloatArray:
-    """Sides opposite the corners, counter-clockwise [m], shape (3, T, 3)."""
-    x = [nodes[triangles[:, k]] for k in range(3)]
-    return np.stack([x[2] - x[1], x[0] - x[2], x[1] - x[0]])

@@ -9,8 +9,8 @@ import pytest
 from numpy.testing import assert_allclose
 from shell_decks import SHEET, Deck, made, ran, refused, shell_deck, write
 
+from dismech_cli.kinematics.strains import angles_of_curvature
 from dismech_cli.model.driven import DrivenEnergy
-from dismech_cli.sections.shells import angles_of_curvature
 
 __all__ = ["made", "ran", "refused", "write"]
 

@@ -35,6 +35,7 @@ from dismech_cli.forces.pressure import pressure
 from dismech_cli.forces.thrust import thrust
 from dismech_cli.laws.laws import Constant
 from dismech_cli.mesh.generate.sheets import Pattern, hemisphere, sheet
+from dismech_cli.mesh.measure import nodal_areas, triangle_areas
 from dismech_cli.mesh.topology.shells import shell_edges
 from dismech_cli.model.configuration import Configuration
 from dismech_cli.model.driven import DrivenEnergy
@@ -42,7 +43,7 @@ from dismech_cli.model.model import Model
 from dismech_cli.model.stencil import StencilEnergy
 from dismech_cli.model.term import Term
 from dismech_cli.run.loop import End, Limits, run
-from dismech_cli.sections.shells import hinge_springs, midedge_springs, nodal_areas, triangle_areas
+from dismech_cli.sections.shells import hinge_springs, midedge_springs
 from dismech_cli.session.simulate import Memory
 from dismech_cli.solve.pattern import SparsityPattern
 

@@ -13,8 +13,8 @@ from shell_decks import BELL, EULER, MIXED, SHEET, STATIC, Deck, made, refused, 
 from dismech_cli import load
 from dismech_cli.compose.structure.doubts import unevenness
 from dismech_cli.mesh.generate.sheets import Pattern, sheet
+from dismech_cli.mesh.measure import edge_lengths
 from dismech_cli.mesh.topology.shells import shell_edges
-from dismech_cli.sections.shells import edge_lengths
 
 __all__ = ["made", "refused", "write"]
 

@@ -16,12 +16,13 @@ from dismech_cli.energies.membrane_springs import spring_term
 from dismech_cli.forces.aerodynamic import aerodynamic_drag
 from dismech_cli.kinematics.dofs import DofMap
 from dismech_cli.kinematics.rod_frames import NoFrames
+from dismech_cli.mesh.measure import edge_lengths, triangle_areas
 from dismech_cli.mesh.mesh import Mesh
 from dismech_cli.model.configuration import Configuration
 from dismech_cli.model.model import Model
 from dismech_cli.model.stencil import StencilEnergy
 from dismech_cli.model.term import Term
-from dismech_cli.sections.shells import edge_lengths, hinge_springs, midedge_springs, triangle_areas
+from dismech_cli.sections.shells import hinge_springs, midedge_springs
 
 DATA = Path(__file__).parents[1] / "data"
 SHEET = Material(youngs_modulus=2e8, poisson_ratio=0.5, thickness=1e-3, density=1200.0)

@@ -19,20 +19,18 @@ from dismech_cli.energies.midedge import midedge
 from dismech_cli.energies.midedge_averaged import midedge_averaged, neighbour_corners
 from dismech_cli.kernels.driver import Driver
 from dismech_cli.kinematics.rod_frames import FrameState
+from dismech_cli.kinematics.strains import angles_of_curvature, rest_metric
 from dismech_cli.mesh.generate.sheets import Pattern, hemisphere, sheet
+from dismech_cli.mesh.measure import edge_lengths, triangle_areas
 from dismech_cli.mesh.mesh import Mesh
+from dismech_cli.sections.mass import shell_mass
 from dismech_cli.sections.shells import (
-    angles_of_curvature,
     area_springs,
     bending_stiffness,
-    edge_lengths,
     hinge_springs,
     hinge_stiffness,
     midedge_springs,
     plane_stress_stiffness,
-    rest_metric,
-    shell_mass,
-    triangle_areas,
     weighted_hinge_stiffness,
 )
 

@@ -18,8 +18,8 @@ from dismech_cli.forces.pressure import FollowerPressure, VolumePressure, pressu
 from dismech_cli.forces.thrust import thrust
 from dismech_cli.laws.laws import Constant
 from dismech_cli.mesh.generate.sheets import annulus, hemisphere, sheet
+from dismech_cli.mesh.measure import nodal_areas
 from dismech_cli.mesh.mesh import Mesh
-from dismech_cli.sections.shells import nodal_areas
 from dismech_cli.solve.integrators import ImplicitEuler
 from dismech_cli.solve.newton import NewtonSettings
 from dismech_cli.solve.status import Status

@@ -17,19 +17,13 @@ from dismech_cli.kernels.numpy_driver import NumpyDriver
 from dismech_cli.kinematics.dofs import DofMap
 from dismech_cli.kinematics.rod_frames import Frames, NoFrames
 from dismech_cli.kinematics.shell_frames import ShellFrames
+from dismech_cli.mesh.measure import adjacent_areas, edge_lengths, triangle_areas
 from dismech_cli.mesh.mesh import Mesh
 from dismech_cli.mesh.topology.shells import ShellTopology, shell_edges
 from dismech_cli.model.model import Model
 from dismech_cli.model.stencil import StencilEnergy
-from dismech_cli.sections.shells import (
-    adjacent_areas,
-    area_springs,
-    edge_lengths,
-    hinge_stiffness,
-    shell_mass,
-    triangle_areas,
-    weighted_hinge_stiffness,
-)
+from dismech_cli.sections.mass import shell_mass
+from dismech_cli.sections.shells import area_springs, hinge_stiffness, weighted_hinge_stiffness
 
 NUMPY = NumpyDriver()
 

@@ -10,11 +10,10 @@ import numpy as np
 
 from ...arrays import FloatArray, IntArray
 from ...errors import MeshError
-from ...kinematics.strains import lengths
+from ...mesh.measure import edge_lengths, triangle_areas
 from ...scenario.language.geometry import Rod, Shell
 from ...scenario.load import LoadedScenario
 from ...sections.rods import RodProperties
-from ...sections.shells import triangle_areas
 from .mesh import BodyMesh
 from .rod import properties_of, rod_mesh, with_ends
 from .shell import ShellProperties, shell_mesh, shell_properties
@@ -101,7 +100,7 @@ class Geometry:
     @property
     def lengths(self) -> FloatArray:
         """Rest lengths of the rod edges [m], shape (E,)."""
-        return lengths(self.nodes, self.edges)
+        return edge_lengths(self.nodes, self.edges)
 
     @property
     def areas(self) -> FloatArray:

@@ -9,11 +9,12 @@ from itertools import combinations
 import numpy as np
 
 from ...arrays import IntArray
+from ...mesh.measure import edge_lengths
+from ...mesh.topology.sides import half_edges
 from ...scenario.language.joint import HingeJoint, RigidJoint
 from ...scenario.load import LoadedScenario
 from ...scenario.text.tree import KeyPath
 from ...scenario.values.selection import Selects
-from ...sections.shells import edge_lengths
 from .geometry import Geometry, ShellWeld
 from .selection import select_all
 
@@ -185,5 +186,5 @@ def _shared_by_file(geometry: Geometry) -> list[tuple[int, int]]:
 
 def _shortest(geometry: Geometry) -> float:
     """Shortest rod edge or side of a triangle [m]."""
-    sides = geometry.triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
-    return float(edge_lengths(geometry.nodes, np.concatenate((geometry.edges, sides))).min())
+    sides = np.concatenate((geometry.edges, half_edges(geometry.triangles)))
+    return float(edge_lengths(geometry.nodes, sides).min())

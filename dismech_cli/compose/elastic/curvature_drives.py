@@ -7,9 +7,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from ...arrays import FloatArray
+from ...kinematics.strains import angles_of_curvature
 from ...model.driven import Drive
 from ...scenario.language.actuation import SurfaceCurvatureActuation
-from ...sections.shells import angles_of_curvature
 from ..scene import Scene
 from ..shells.bending import bending_of
 from ..shells.body import ShellBody

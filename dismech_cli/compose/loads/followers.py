@@ -10,7 +10,8 @@ import numpy as np
 from ...arrays import FloatArray, IntArray
 from ...forces.follower import Carrier, Faces, FollowerForce, FramedEdges, PlanarEdges
 from ...kinematics.rod_frames import RodFrames
-from ...sections.shells import edge_lengths
+from ...mesh.measure import edge_lengths
+from ...mesh.topology.sides import half_edges
 from ..scene import Scene
 from ..structure.structure import Structure
 from .vectors import Vector, parts
@@ -72,7 +73,7 @@ def carried_by_sides(scene: Scene, structure: Structure, edges: IntArray) -> Car
     """
     geometry = scene.geometry
     count = len(geometry.nodes)
-    sides = np.sort(geometry.triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    sides = np.sort(half_edges(geometry.triangles), axis=1)
     keys, wanted = sides @ (count, 1), edges @ (count, 1)
     chosen = np.flatnonzero(np.isin(keys, wanted))
     which = np.searchsorted(wanted, keys[chosen])
@@ -80,8 +81,9 @@ def carried_by_sides(scene: Scene, structure: Structure, edges: IntArray) -> Car
     half = np.zeros(len(sides))
     half[chosen] = 0.5 * (edge_lengths(geometry.nodes, edges) / np.bincount(which, areas))[which] * areas
     by_side = half.reshape(-1, 3)
-    # side k runs from corner k to the next
-    return _on_faces(scene, structure, by_side + np.roll(by_side, 1, axis=1))
+    # side k is opposite corner k: the other two end at it
+    shares = np.roll(by_side, 1, axis=1) + np.roll(by_side, -1, axis=1)
+    return _on_faces(scene, structure, shares)
 
 
 def _on_edges(scene: Scene, structure: Structure, shares: FloatArray) -> Carried:

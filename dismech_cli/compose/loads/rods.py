@@ -10,9 +10,9 @@ from ...arrays import FloatArray
 from ...forces.moment import EdgeMoment
 from ...forces.resistive import resistive_force
 from ...forces.viscous import ViscousDamping
+from ...mesh.measure import nodal_lengths
 from ...model.term import Term
 from ...scenario.language.force import Distributed, Moment, Resistive, Viscous
-from ...sections.mass import nodal_lengths
 from ..bodies.geometry import Geometry
 from ..laws import components, vanishes
 from ..scene import Scene

@@ -14,7 +14,9 @@ from ...forces.hydrodynamic import hydrodynamic_drag
 from ...forces.moment import EdgeMoment
 from ...forces.pressure import pressure as pressure_term
 from ...forces.thrust import thrust as thrust_term
+from ...mesh.measure import edge_lengths, nodal_areas, nodal_lengths
 from ...mesh.topology.shells import rims
+from ...mesh.topology.sides import half_edges
 from ...model.term import Term
 from ...scenario.language.force import (
     Aerodynamic,
@@ -25,8 +27,6 @@ from ...scenario.language.force import (
     Pressure,
     Thrust,
 )
-from ...sections.mass import nodal_lengths
-from ...sections.shells import edge_lengths, nodal_areas
 from ..bodies.geometry import Geometry
 from ..laws import components, vanishes
 from ..scene import Scene
@@ -109,7 +109,7 @@ def line_load(scene: Scene, structure: Structure, place: Place, force: LineLoad)
     """
     geometry = scene.geometry
     nodes = scene.places.nodes(place.key("where"))
-    sides = np.sort(geometry.triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    sides = np.sort(half_edges(geometry.triangles), axis=1)
     edges = np.unique(sides[np.isin(sides, nodes).all(axis=1)], axis=0)
     if edges.size == 0:
         raise scene.error(place.key("where"), "selects no edge of a shell")

@@ -9,10 +9,10 @@ from ...arrays import FloatArray
 from ...energies.hinge import hinge_term
 from ...energies.midedge import midedge_term
 from ...energies.midedge_averaged import midedge_averaged_term
+from ...mesh.measure import edge_lengths
 from ...model.stencil import StencilEnergy
 from ...scenario.language.geometry import Shell
 from ...sections.shells import (
-    edge_lengths,
     hinge_springs,
     hinge_stiffness,
     midedge_springs,

@@ -8,9 +8,9 @@ from typing import Protocol
 from ...arrays import FloatArray, IntArray
 from ...kinematics.dofs import DofMap
 from ...kinematics.shell_frames import ShellFrames
+from ...mesh.measure import adjacent_areas, triangle_areas
 from ...mesh.topology.shells import ShellTopology
 from ...scenario.language.geometry import Shell
-from ...sections.shells import adjacent_areas, triangle_areas
 from ..bodies.shell import ShellProperties
 
 

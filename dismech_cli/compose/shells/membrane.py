@@ -6,8 +6,9 @@ from collections.abc import Callable, Mapping
 
 from ...energies.membrane import membrane_term
 from ...energies.membrane_springs import spring_term
+from ...mesh.measure import edge_lengths
 from ...model.stencil import StencilEnergy
-from ...sections.shells import area_springs, edge_lengths
+from ...sections.shells import area_springs
 from .bending import bending_of
 from .body import Ground, ShellBody
 

@@ -6,11 +6,12 @@ from collections.abc import Iterator
 from itertools import combinations
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 from scipy.spatial import KDTree
 
 from ...arrays import FloatArray, IntArray
+from ...mesh.measure import corner_angles
+from ...mesh.topology.components import components
+from ...mesh.topology.sides import half_edges
 from ...scenario.language.motion import Clamp
 from ...scenario.language.numerics import Static
 from ..bodies.geometry import Geometry
@@ -62,12 +63,7 @@ def unevenness(nodes: FloatArray, triangles: IntArray) -> float:
     The median over triangles, so that the halved ones at the rim of an equilateral net do not
     count, of the root mean square over corners.
     """
-    x = [nodes[triangles[:, k]] for k in range(3)]
-    angles = []
-    for k in range(3):
-        a, b = x[k - 2] - x[k], x[k - 1] - x[k]
-        angles.append(np.arctan2(np.linalg.norm(np.cross(a, b), axis=1), (a * b).sum(axis=1)))
-    square = ((np.degrees(np.stack(angles)) - 60.0) ** 2).mean(axis=0)
+    square = ((np.degrees(corner_angles(nodes, triangles)) - 60.0) ** 2).mean(axis=0)
     return float(np.median(np.sqrt(square)))
 
 
@@ -114,11 +110,8 @@ def _touching(scene: Scene) -> Iterator[str]:
 def _adrift(scene: Scene, holds: tuple[Hold, ...]) -> Iterator[str]:
     """Bodies that a static scene leaves free to move or turn as a whole."""
     geometry = scene.geometry
-    sides = geometry.triangles[:, [0, 1, 1, 2]].reshape(-1, 2)
-    tail, head = np.concatenate((geometry.edges, sides)).T
-    count = len(geometry.nodes)
-    graph = coo_array((np.ones(len(tail)), (tail, head)), shape=(count, count))
-    _, part = connected_components(graph, directed=False)
+    sides = np.concatenate((geometry.edges, half_edges(geometry.triangles)))
+    _, part = components(len(geometry.nodes), sides)
     planar = scene.scenario.dimension == 2
     motions = _planar_motions(scene.scenario.plane) if planar else np.arange(6)
     told: set[int] = set()
@@ -172,7 +165,7 @@ def _held_turning(geometry: Geometry, hold: Hold, held: IntArray) -> Iterator[Fl
         if not bending_of(shell).has_normals:
             continue
         triangles = geometry.triangles[geometry.triangle_shell == k]
-        sides = triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+        sides = half_edges(triangles)
         sides = sides[np.isin(sides, np.intersect1d(hold.sloped, held)).all(axis=1)]
         if len(sides):
             # the normal at a side does not turn about it

@@ -6,8 +6,8 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...kinematics.dofs import DofMap
-from ...sections.mass import nodal_lengths, rod_mass
-from ...sections.shells import nodal_areas, shell_mass
+from ...mesh.measure import nodal_areas, nodal_lengths
+from ...sections.mass import rod_mass, shell_mass
 from ..bodies.geometry import Geometry
 from ..scene import Scene
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...arrays import BoolArray, FloatArray, IntArray
-from ...kinematics.strains import lengths
+from ...mesh.measure import edge_lengths
 from ...mesh.topology.rods import chains, rod_stencils
 from ..bodies.geometry import Geometry
 from .holds import Hold
@@ -100,7 +100,7 @@ def make_skeleton(geometry: Geometry, holds: tuple[Hold, ...]) -> Skeleton:
         positions.append((2.0 * geometry.nodes[node] - other)[None])
         edges.append(np.array([[n + k, node] if side == 0 else [node, n + k]]))
     all_positions, all_edges = np.concatenate(positions), np.concatenate(edges)
-    rest = lengths(all_positions, all_edges)
+    rest = edge_lengths(all_positions, all_edges)
     rigid = np.zeros(len(all_edges), dtype=bool)
     rigid[e:] = True
     for hold in holds:

@@ -11,7 +11,7 @@ from ...kernels.driver import Driver
 from ...kinematics.dofs import DofMap
 from ...kinematics.rod_frames import Frames, NoFrames
 from ...kinematics.shell_frames import ShellFrames
-from ...sections.shells import edge_lengths
+from ...mesh.measure import edge_lengths
 from ..numerics import build_driver
 from ..scene import Scene
 from ..shells.topology import ShellEdges, find_shell_edges

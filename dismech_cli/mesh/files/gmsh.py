@@ -13,7 +13,7 @@ import numpy as np
 from ...arrays import IntArray
 from ...errors import MeshError
 from ..mesh import Mesh
-from ..topology.orient import half_edges
+from ..topology.sides import half_edges
 from ..validate import validate
 from .gmsh_guard import Guarded, guard
 from .groups import GroupBuilder

@@ -6,6 +6,8 @@ import numpy as np
 
 from ...arrays import FloatArray, IntArray
 from ...errors import MeshError
+from ..measure import corner_angles
+from ..topology.sides import half_edges
 
 MAX_NODES = 100_000
 """Largest unstructured sheet made here; larger ones are work for a mesher."""
@@ -65,12 +67,7 @@ def smallest_angle(nodes: FloatArray, triangles: IntArray) -> float:
         nodes: Shape (N, 3).
         triangles: Shape (T, 3).
     """
-    corners = nodes[triangles]
-    angles = []
-    for k in range(3):
-        u, v = corners[:, k - 2] - corners[:, k], corners[:, k - 1] - corners[:, k]
-        angles.append(np.arctan2(np.linalg.norm(np.cross(u, v), axis=1), np.einsum("ij,ij->i", u, v)))
-    return float(np.degrees(np.min(angles)))
+    return float(np.degrees(corner_angles(nodes, triangles).min()))
 
 
 def _border(columns: int, rows: int, size: FloatArray) -> FloatArray:
@@ -110,8 +107,9 @@ def _relax(border: FloatArray, inner: FloatArray) -> tuple[FloatArray, IntArray]
 
     points = np.concatenate([border, inner])
     for _ in range(_SWEEPS):
-        triangles = Delaunay(points).simplices
-        pairs = triangles[:, [0, 1, 1, 2, 2, 0, 1, 0, 2, 1, 0, 2]].reshape(-1, 2)
+        triangles = Delaunay(points).simplices.astype(np.int64)
+        sides = half_edges(triangles).reshape(-1, 3, 2)
+        pairs = np.concatenate([sides, sides[:, :, ::-1]], axis=1).reshape(-1, 2)
         total = np.zeros_like(points)
         np.add.at(total, pairs[:, 0], points[pairs[:, 1]])
         mean = total / np.bincount(pairs[:, 0], minlength=len(points))[:, None]

@@ -6,20 +6,8 @@ import numpy as np
 
 from ...arrays import BoolArray, IntArray
 from ...errors import MeshError
-
-
-def half_edges(triangles: IntArray) -> IntArray:
-    """Return the directed local edges of all triangles.
-
-    Edge j of triangle (v1, v2, v3) is opposite vertex j: v2 -> v3, v3 -> v1, v1 -> v2.
-
-    Args:
-        triangles: Shape (T, 3).
-
-    Returns:
-        Shape (3 T, 2); row 3 f + j is edge j of triangle f.
-    """
-    return triangles[:, [1, 2, 2, 0, 0, 1]].reshape(-1, 2)
+from .components import components
+from .sides import half_edges, shared_sides
 
 
 def reversed_triangles(triangles: IntArray, where: str) -> BoolArray:
@@ -41,23 +29,16 @@ def reversed_triangles(triangles: IntArray, where: str) -> BoolArray:
     """
     count = len(triangles)
     directed = half_edges(triangles)
-    ordered = np.sort(directed, axis=1)
-    order = np.lexsort((ordered[:, 1], ordered[:, 0]))
-    shared = (ordered[order[1:]] == ordered[order[:-1]]).all(axis=1)
-    one, two = order[:-1][shared], order[1:][shared]
+    one, two = shared_sides(triangles)
     clash = (directed[one] == directed[two]).all(axis=1)
     if not clash.any():
         return np.zeros(count, dtype=np.bool_)
 
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
     f, g = one // 3, two // 3
     rows = np.concatenate([f, f + count])
     cols = np.concatenate([np.where(clash, g + count, g), np.where(clash, g, g + count)])
-    graph = coo_array((np.ones(len(rows)), (rows, cols)), shape=(2 * count, 2 * count))
-    _, label = connected_components(graph, directed=False)
-    as_is, turned = label[:count].astype(np.int64), label[count:].astype(np.int64)
+    _, label = components(2 * count, np.stack([rows, cols], axis=1))
+    as_is, turned = label[:count], label[count:]
     if (as_is == turned).any():
         first = int(np.argmax(as_is == turned))
         raise MeshError(

@@ -9,6 +9,7 @@ import numpy as np
 
 from ...arrays import IntArray
 from ...errors import MeshError
+from .components import components
 
 MAX_STENCILS = 20_000_000
 """Largest number of stencils: a node with m edges alone has m (m - 1) / 2 of them."""
@@ -123,11 +124,7 @@ def chains(n_nodes: int, edges: IntArray) -> tuple[Chain, ...]:
     """
     if not len(edges):
         return ()
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
-    graph = coo_array((np.ones(len(edges)), (edges[:, 0], edges[:, 1])), shape=(n_nodes, n_nodes))
-    _, label = connected_components(graph, directed=False)
+    _, label = components(n_nodes, edges)
     degree = np.bincount(edges.ravel(), minlength=n_nodes)
     # Both ends of each edge sorted by node: the edges at node i are incident[start[i]:start[i + 1]].
     incident = np.argsort(edges.ravel(), kind="stable") // 2

@@ -5,12 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from ...arrays import IntArray
 from ...errors import MeshError
-from .orient import half_edges
+from .components import components
+from .sides import half_edges, rim_sides
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -39,15 +38,8 @@ class ShellTopology:
 
 def rims(triangles: IntArray) -> int:
     """Number of closed lines of sides that have one triangle only."""
-    topology = shell_edges(triangles)
-    sides = topology.edges[topology.edge_faces[:, 1] < 0]
-    if not len(sides):
-        return 0
-    _, ends = np.unique(sides, return_inverse=True)
-    ends = ends.reshape(-1, 2)
-    count, (first, second) = int(ends.max()) + 1, ends.T
-    graph = coo_array((np.ones(len(ends)), (first, second)), shape=(count, count))
-    return int(connected_components(graph, directed=False)[0])
+    nodes, ends = np.unique(rim_sides(triangles), return_inverse=True)
+    return components(len(nodes), ends.reshape(-1, 2))[0]
 
 
 def shell_edges(triangles: IntArray) -> ShellTopology:

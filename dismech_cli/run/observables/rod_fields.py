@@ -8,7 +8,8 @@ from typing import Protocol
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
-from ...kinematics.strains import curvature_binormal, lengths, material_curvatures
+from ...kinematics.strains import curvature_binormal, material_curvatures
+from ...mesh.measure import edge_lengths
 from ...output.frame import FieldSpec
 from .snapshot import Snapshot
 
@@ -183,7 +184,7 @@ class AxialStrainField:
 
     def __call__(self, s: Snapshot) -> FloatArray:
         """Values (E,)."""
-        return lengths(s.positions, self.edges) / self.rest - 1.0
+        return edge_lengths(s.positions, self.edges) / self.rest - 1.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -206,7 +207,8 @@ class AxialForceField:
     def __call__(self, s: Snapshot) -> FloatArray:
         """Values (E,)."""
         (natural,) = s.natural(self.energy)
-        force: FloatArray = self.stiffness * (lengths(s.positions, self.edges) / self.rest - 1.0 - natural)
+        stretch = edge_lengths(s.positions, self.edges) / self.rest - 1.0
+        force: FloatArray = self.stiffness * (stretch - natural)
         return force
 
 

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
+from ...mesh.measure import triangle_areas
 from ...output.frame import FieldSpec
-from ...sections.shells import triangle_areas
 from .rod_fields import Field
 from .snapshot import Snapshot
 
