@@ -7,7 +7,8 @@ from pathlib import Path
 import meshio
 import numpy as np
 
-from dismech_cli.mesh.generate.sheets import Pattern, disc, hemisphere, sheet
+from dismech_cli.mesh.generate.rings import disc, hemisphere
+from dismech_cli.mesh.generate.sheets import Pattern, sheet
 from dismech_cli.mesh.mesh import Mesh
 from dismech_cli.mesh.topology.shells import shell_edges
 from dismech_cli.mesh.validate import validate

@@ -68,3 +68,17 @@ def refused(folder: Path, deck: Deck, message: str) -> None:
     file.write_text(json.dumps(deck), encoding="utf-8")
     with pytest.raises(DismechError, match=re.escape(message)):
         compose(load(file))
+
+
+def test_a_table_of_nodes_may_name_its_columns(tmp_path: Path) -> None:
+    (tmp_path / "curve.csv").write_text("x, y, z\n0, 0, 0\n0.5, 0.1, 0\n1, 0, 0\n")
+    deck = rod_deck({"shape": "csv", "file": "curve.csv"}, dimension=3)
+    file = tmp_path / "scene.yaml"
+    file.write_text(json.dumps(deck), encoding="utf-8")
+    assert compose(load(file)).geometry.nodes.tolist() == [[0, 0, 0], [0.5, 0.1, 0], [1, 0, 0]]
+
+
+def test_a_table_of_nodes_is_told_at_its_key(tmp_path: Path) -> None:
+    (tmp_path / "curve.csv").write_text("x, y, z\n0, 0, 0\n1, one, 0\n")
+    message = f"geometry[0].generate: {tmp_path}/curve.csv:3: column 1: expected a finite number, got 'one'"
+    refused(tmp_path, rod_deck({"shape": "csv", "file": "curve.csv"}), message)

@@ -34,7 +34,8 @@ from dismech_cli.forces.hydrodynamic import area_damping, hydrodynamic_drag
 from dismech_cli.forces.pressure import pressure
 from dismech_cli.forces.thrust import thrust
 from dismech_cli.laws.laws import Constant
-from dismech_cli.mesh.generate.sheets import Pattern, hemisphere, sheet
+from dismech_cli.mesh.generate.rings import hemisphere
+from dismech_cli.mesh.generate.sheets import Pattern, sheet
 from dismech_cli.mesh.measure import nodal_areas, triangle_areas
 from dismech_cli.mesh.topology.shells import shell_edges
 from dismech_cli.model.configuration import Configuration

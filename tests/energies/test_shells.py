@@ -20,7 +20,8 @@ from dismech_cli.energies.midedge_averaged import midedge_averaged, neighbour_co
 from dismech_cli.kernels.driver import Driver
 from dismech_cli.kinematics.rod_frames import FrameState
 from dismech_cli.kinematics.strains import angles_of_curvature, rest_metric
-from dismech_cli.mesh.generate.sheets import Pattern, hemisphere, sheet
+from dismech_cli.mesh.generate.rings import hemisphere
+from dismech_cli.mesh.generate.sheets import Pattern, sheet
 from dismech_cli.mesh.measure import edge_lengths, triangle_areas
 from dismech_cli.mesh.mesh import Mesh
 from dismech_cli.sections.mass import shell_mass

@@ -18,7 +18,7 @@ from dismech_cli.forces.edge_torque import EdgeTorque
 from dismech_cli.forces.moment import EdgeMoment
 from dismech_cli.kinematics.shell_frames import ShellFrames
 from dismech_cli.laws.laws import Constant
-from dismech_cli.mesh.generate.sheets import hemisphere
+from dismech_cli.mesh.generate.rings import hemisphere
 
 __all__ = ["ran", "refused", "write"]
 

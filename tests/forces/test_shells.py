@@ -17,7 +17,8 @@ from dismech_cli.forces.hydrodynamic import area_damping, hydrodynamic_drag
 from dismech_cli.forces.pressure import FollowerPressure, VolumePressure, pressure
 from dismech_cli.forces.thrust import thrust
 from dismech_cli.laws.laws import Constant
-from dismech_cli.mesh.generate.sheets import annulus, hemisphere, sheet
+from dismech_cli.mesh.generate.rings import annulus, hemisphere
+from dismech_cli.mesh.generate.sheets import sheet
 from dismech_cli.mesh.measure import nodal_areas
 from dismech_cli.mesh.mesh import Mesh
 from dismech_cli.solve.integrators import ImplicitEuler

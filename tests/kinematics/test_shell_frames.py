@@ -18,7 +18,8 @@ from dismech_cli.kinematics.motion import Motion
 from dismech_cli.kinematics.rod_frames import FrameState, NoFrames, TrialFrames
 from dismech_cli.kinematics.shell_frames import ShellFrames
 from dismech_cli.laws.laws import Constant, Ramp
-from dismech_cli.mesh.generate.sheets import Pattern, hemisphere, sheet
+from dismech_cli.mesh.generate.rings import hemisphere
+from dismech_cli.mesh.generate.sheets import Pattern, sheet
 from dismech_cli.model.model import Model
 from dismech_cli.solve.integrators import GeneralizedAlpha, Static
 from dismech_cli.solve.newton import NewtonSettings

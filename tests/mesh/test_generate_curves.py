@@ -5,7 +5,8 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from dismech_cli.errors import MeshError
-from dismech_cli.mesh.generate.curves import arc, from_csv, helix, line, polyline
+from dismech_cli.mesh.generate.curves import arc, helix, line
+from dismech_cli.mesh.generate.polyline import polyline
 
 EPS = np.finfo(float).eps
 
@@ -94,35 +95,11 @@ def test_polyline_keeps_or_resamples_its_points() -> None:
     assert len(polyline(corners, spacing=0.1, closed=True).nodes) == round((3 + np.sqrt(5)) / 0.1)
 
 
-def test_from_csv(tmp_path: Path) -> None:
-    path = tmp_path / "shape.csv"
-    path.write_text("node, x, z\n1, 0, 0\n2, 0.5, 0.1\n\n3, 1.0, 0\n,,\n")
-    mesh = from_csv(path, ("x", None, "z"))
-    assert_array_equal(mesh.nodes, [[0, 0, 0], [0.5, 0, 0.1], [1, 0, 0]])
-    assert mesh.node_groups["end"].tolist() == [2]
-    path.write_text("0,0,0\n1,2,3\n")
-    assert_array_equal(from_csv(path, (2, 1, 0)).nodes, [[0, 0, 0], [3, 2, 1]])
-
-
-@pytest.mark.parametrize(
-    ("text", "columns", "message"),
-    [
-        ("x,y,z\n0,0,0\n1,one,0\n", ("x", "y", "z"), r"s.csv:3: coordinate 'one'"),
-        ("x,y,z\n0,0,0\n1,0\n", ("x", "y", "z"), r"s.csv:3: 2 columns"),
-        ("x,y,z\n0,0,0\n", ("x", "y", "z"), r"s.csv: 1 nodes; expected at least 2"),
-        ("x,y,z\n0,0,0\n", ("x", "y", "w"), r"s.csv:1: no column 'w'; the header has x, y, z"),
-        ("", ("x", "y", "z"), r"s.csv:1: no column 'x'"),
-        ("0,0,0\n", (0, 1, -1), "column -1; columns count from 0"),
-        ("0,0,0\n", (None, None, None), "expected one each for x, y and z"),
-        ("0,0,0\n1,1,1\n1,1,1\n", (0, 1, 2), "node 3 is at the same place as node 2"),
-        ('x,y,z\n0,"0,0\n', ("x", "y", "z"), "s.csv:2: 2 columns"),
-    ],
-)
-def test_bad_tables(tmp_path: Path, text: str, columns: tuple[str | int | None, ...], message: str) -> None:
-    path = tmp_path / "s.csv"
-    path.write_text(text)
-    with pytest.raises(MeshError, match=message):
-        from_csv(path, columns)
+def test_messages_name_the_place_of_the_points() -> None:
+    with pytest.raises(MeshError, match=r"s.csv: node 3 is at the same place as node 2"):
+        polyline([[0, 0, 0], [1, 1, 1], [1, 1, 1]], where="s.csv")
+    with pytest.raises(MeshError, match=r"s.csv: 1 nodes; expected at least 2"):
+        polyline([[0, 0, 0]], where="s.csv")
 
 
 @pytest.mark.parametrize(

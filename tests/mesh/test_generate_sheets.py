@@ -3,7 +3,8 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from dismech_cli.errors import MeshError
-from dismech_cli.mesh.generate.sheets import Pattern, annulus, disc, hemisphere, sheet
+from dismech_cli.mesh.generate.rings import annulus, disc, hemisphere
+from dismech_cli.mesh.generate.sheets import Pattern, sheet
 from dismech_cli.mesh.mesh import Mesh
 from dismech_cli.mesh.topology.shells import shell_edges
 

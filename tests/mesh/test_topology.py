@@ -9,7 +9,7 @@ from numpy.testing import assert_array_equal
 
 from dismech_cli.arrays import IntArray
 from dismech_cli.errors import MeshError
-from dismech_cli.mesh.generate.sheets import disc
+from dismech_cli.mesh.generate.rings import disc
 from dismech_cli.mesh.topology.rods import ChainKind, chains, rod_stencils
 from dismech_cli.mesh.topology.shells import shell_edges
 

@@ -10,10 +10,10 @@ import pytest
 from numpy.testing import assert_allclose
 from scenario_folder import SCENE, Folder, folder
 
+from dismech_cli.csv_columns import read_columns
 from dismech_cli.errors import ScenarioError
 from dismech_cli.laws import laws
 from dismech_cli.scenario.load import json_schema, markdown_reference
-from dismech_cli.scenario.text.tables import read_columns
 from dismech_cli.scenario.values.law import to_law
 
 __all__ = ["folder"]

@@ -10,7 +10,7 @@ from shell_cases import Shell
 from shell_states import driver_of
 
 from dismech_cli.arrays import FloatArray
-from dismech_cli.mesh.generate.sheets import hemisphere
+from dismech_cli.mesh.generate.rings import hemisphere
 from dismech_cli.model.configuration import Configuration
 from dismech_cli.model.term import Term
 

@@ -8,7 +8,8 @@ from numpy.testing import assert_allclose
 from shell_cases import Material, Shell, linear_solution, pressed, shell
 
 from dismech_cli.arrays import BoolArray, FloatArray, IntArray
-from dismech_cli.mesh.generate.sheets import Pattern, disc, sheet
+from dismech_cli.mesh.generate.rings import disc
+from dismech_cli.mesh.generate.sheets import Pattern, sheet
 from dismech_cli.mesh.mesh import Mesh
 
 PLATE = Material(youngs_modulus=1.0, poisson_ratio=0.3, thickness=0.01)

@@ -12,7 +12,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from dismech_cli import load, simulate
-from dismech_cli.mesh.generate.sheets import disc
+from dismech_cli.mesh.generate.rings import disc
 from dismech_cli.run.loop import End
 from dismech_cli.run.observables.reduce import reduce_series
 

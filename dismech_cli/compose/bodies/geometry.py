@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
-from ...errors import MeshError
+from ...errors import ScenarioError
 from ...mesh.measure import edge_lengths, triangle_areas
 from ...scenario.language.geometry import Rod, Shell
 from ...scenario.load import LoadedScenario
@@ -191,5 +191,5 @@ def _mesh(loaded: LoadedScenario, index: int, body: Rod | Shell) -> BodyMesh:
         if isinstance(body, Rod):
             return rod_mesh(body, loaded.directory)
         return shell_mesh(body, loaded.directory)
-    except MeshError as error:
+    except ScenarioError as error:
         raise loaded.error(path, str(error)) from error

@@ -7,9 +7,11 @@ from pathlib import Path
 import numpy as np
 
 from ...arrays import IntArray
+from ...csv_columns import read_columns
 from ...errors import MeshError
 from ...mesh.files.read import read_mesh
 from ...mesh.generate import curves as generate
+from ...mesh.generate.polyline import polyline
 from ...mesh.mesh import Mesh
 from ...mesh.validate import validate
 from ...scenario.language.geometry import MeshFile, Rod
@@ -74,9 +76,11 @@ def _generated(rod: Rod, directory: Path) -> Mesh:
                 s.origin, s.axis, s.radius, s.pitch, s.turns, s.nodes, handedness=s.handedness, phase=s.phase
             )
         case Polyline() as s:
-            return generate.polyline(s.points, nodes=s.nodes, spacing=s.spacing, closed=s.closed)
+            return polyline(s.points, nodes=s.nodes, spacing=s.spacing, closed=s.closed)
         case CsvCurve() as s:
-            return generate.from_csv(directory / s.file, s.columns, closed=s.closed)
+            path = directory / s.file
+            points = np.stack(read_columns(path, s.columns), axis=1)
+            return polyline(points, closed=s.closed, where=str(path))
         case None:
             raise AssertionError("the schema asks for generate or mesh")
 

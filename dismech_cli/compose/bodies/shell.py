@@ -12,8 +12,8 @@ from ...arrays import FloatArray
 from ...errors import MeshError
 from ...mesh.files.read import read_mesh
 from ...mesh.generate import curved as generate_curved
-from ...mesh.generate import sheets as generate_shell
-from ...mesh.generate.sheets import Pattern
+from ...mesh.generate import rings as generate_rings
+from ...mesh.generate.sheets import Pattern, sheet
 from ...mesh.mesh import Mesh
 from ...mesh.topology.shells import shell_edges
 from ...scenario.language.geometry import Shell, SurfaceFile
@@ -86,17 +86,17 @@ def _read(source: SurfaceFile, directory: Path) -> BodyMesh:
 def _generated(shell: Shell) -> Mesh:
     match shell.generate:
         case SheetSurface() as s:
-            mesh = generate_shell.sheet(s.length, s.width, s.divisions, Pattern(s.pattern))
+            mesh = sheet(s.length, s.width, s.divisions, Pattern(s.pattern))
             return _placed(mesh, s.origin, _spanned(s.axes))
         case DiscSurface() as s:
-            mesh = generate_shell.disc(s.radius, s.rings, counts=s.counts)
+            mesh = generate_rings.disc(s.radius, s.rings, counts=s.counts)
             return _placed(mesh, s.center, _about(s.normal))
         case AnnulusSurface() as s:
-            mesh = generate_shell.annulus(s.inner_radius, s.outer_radius, s.rings, counts=s.counts)
+            mesh = generate_rings.annulus(s.inner_radius, s.outer_radius, s.rings, counts=s.counts)
             return _placed(mesh, s.center, _about(s.normal))
         case HemisphereSurface() as s:
             rings = len(s.polar_angles or ()) or s.rings or 1
-            mesh = generate_shell.hemisphere(s.radius, rings, polar_angles=s.polar_angles, counts=s.counts)
+            mesh = generate_rings.hemisphere(s.radius, rings, polar_angles=s.polar_angles, counts=s.counts)
             return _placed(mesh, s.center, _about(s.axis))
         case CylinderSurface() as s:
             mesh = generate_curved.cylinder(s.radius, s.length, s.angle, s.divisions, Pattern(s.pattern))

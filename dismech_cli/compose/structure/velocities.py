@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from ...arrays import FloatArray
+from ...csv_columns import read_columns
 from ...kinematics.dofs import DofMap
 from ...scenario.language.motion import InitialVelocity, VelocityFile
-from ...scenario.text.tables import read_columns
 from ..scene import Scene
 
 

@@ -24,11 +24,11 @@ from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema, core_schema
 
 from ...arrays import FloatArray
+from ...csv_columns import read_columns
 from ...laws import laws
 from ...laws.expression import VARIABLES, ExpressionError, compile_expression
 from ...units import KINDS
 from ...words import listed
-from ..text.tables import read_columns
 from ..text.tree import describe
 from .quantity import Angle, Column, FileName, Frequency, Quantity, Time, to_si
 from .spec import Spec, problem, tag, told_by_key

@@ -12,8 +12,8 @@ from typing import Final
 
 import numpy as np
 
-from ...arrays import FloatArray
-from ...errors import ScenarioError
+from .arrays import FloatArray
+from .errors import ScenarioError
 
 MAX_BYTES: Final = 256 * 1024 * 1024
 
