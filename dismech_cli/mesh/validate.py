@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..arrays import BoolArray, FloatArray, IntArray
 from ..errors import MeshError
-from .files.source import MAX_COORDINATE, Lines, check_count
+from .limits import MAX_COORDINATE, check_count
 from .measure import area_vectors, edge_lengths, triangle_areas
 from .mesh import Mesh
 from .topology.components import components
@@ -26,6 +26,21 @@ FOLD_TOLERANCE = 1e-10
 
 # Unit vector along no edge, plane or diagonal of a regular grid.
 _SKEW = np.sqrt((2.0, 3.0, 5.0)) / np.sqrt(10.0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Lines:
+    """Line numbers (from 1) of the entries of a mesh file; None where there are none.
+
+    Attributes:
+        nodes: Shape (N,).
+        edges: Shape (E,).
+        triangles: Shape (T,).
+    """
+
+    nodes: IntArray | None = None
+    edges: IntArray | None = None
+    triangles: IntArray | None = None
 
 
 def validate(mesh: Mesh, where: str, lines: Lines | None = None) -> Mesh:

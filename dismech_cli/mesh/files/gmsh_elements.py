@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from ...arrays import BoolArray, IntArray
 from ...errors import MeshError
+from ..limits import MAX_COUNT
 from .gmsh_section import Section
-from .source import MAX_COUNT
 
 MAX_TAG = 8 * MAX_COUNT
 """Largest node number: meshio keeps a table from number to index."""

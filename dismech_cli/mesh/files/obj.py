@@ -11,11 +11,12 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...errors import MeshError
+from ..limits import check_count
 from ..mesh import Mesh
-from ..validate import validate
+from ..validate import Lines, validate
 from .groups import GroupBuilder
 from .polygon import MAX_CORNERS, triangulate
-from .source import Lines, check_count, load_text, parse_float, parse_int
+from .source import load_text, parse_float, parse_int
 
 # Keywords that carry appearance only; dropping them cannot change the mechanics.
 _APPEARANCE = frozenset(("vt", "vn", "s", "mg", "lod", "mtllib", "usemap", "maplib", "bevel", "c_interp"))

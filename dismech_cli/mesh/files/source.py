@@ -1,37 +1,15 @@
-"""Where a mesh comes from: bounded reading of files, and the lines that error messages name."""
+"""Mesh files of bounded size as bytes and text, and the numbers in them."""
 
 from __future__ import annotations
 
 import stat
-from dataclasses import dataclass
 from pathlib import Path
 
-from ...arrays import IntArray
 from ...errors import MeshError
+from ..limits import MAX_COORDINATE
 
 MAX_FILE_BYTES = 1 << 27
 """Largest mesh file that is opened [bytes]: 128 MiB, about two million nodes."""
-
-MAX_COUNT = 2_000_000
-"""Largest number of nodes, edges or triangles of one mesh."""
-
-MAX_COORDINATE = 1e12
-"""Largest coordinate [m]; beyond it, products of coordinates lose all meaning."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Lines:
-    """Line numbers (from 1) of the entries of a mesh file; None where there are none.
-
-    Attributes:
-        nodes: Shape (N,).
-        edges: Shape (E,).
-        triangles: Shape (T,).
-    """
-
-    nodes: IntArray | None = None
-    edges: IntArray | None = None
-    triangles: IntArray | None = None
 
 
 def load_bytes(path: Path) -> bytes:
@@ -58,17 +36,6 @@ def load_bytes(path: Path) -> bytes:
 def load_text(path: Path) -> str:
     """Read a whole text mesh file; bytes that are not UTF-8 become U+FFFD and fail where they stand."""
     return load_bytes(path).decode("utf-8-sig", errors="replace")
-
-
-def check_count(count: int, what: str, where: str) -> int:
-    """Return ``count`` if a mesh may have that many, before anything is allocated for it.
-
-    Raises:
-        MeshError: If the count is negative or above :data:`MAX_COUNT`.
-    """
-    if not 0 <= count <= MAX_COUNT:
-        raise MeshError(f"{where}: {count} {what}; a mesh may have 0 to {MAX_COUNT}")
-    return count
 
 
 def parse_float(token: str, where: str) -> float:

@@ -8,9 +8,10 @@ import numpy as np
 
 from ...arrays import IntArray
 from ...errors import MeshError
+from ..limits import check_count
 from ..mesh import Mesh
-from ..validate import validate
-from .source import Lines, check_count, load_text, parse_float, parse_int
+from ..validate import Lines, validate
+from .source import load_text, parse_float, parse_int
 
 _WIDTH = {"nodes": 3, "edges": 2, "triangles": 3}
 

@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 
 from ...arrays import FloatArray
 from ...errors import MeshError
-from ..files.source import MAX_COORDINATE, check_count
+from ..limits import MAX_COORDINATE, check_count
 
 
 def vector(value: ArrayLike, name: str, where: str) -> FloatArray:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...errors import MeshError
-from ..files.source import MAX_COORDINATE
+from ..limits import MAX_COORDINATE
 from ..mesh import Mesh
 from .chain import chain
 from .checks import check_nodes, check_positive, unit, vector

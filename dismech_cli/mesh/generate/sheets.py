@@ -8,7 +8,7 @@ from enum import Enum
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
-from ..files.source import check_count
+from ..limits import check_count
 from ..mesh import Mesh
 from ..validate import validate
 from .checks import check_divisions, check_positive
