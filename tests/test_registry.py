@@ -17,7 +17,7 @@ from dismech_cli.compose.shells.bending import HINGES, SHELL_BENDING
 from dismech_cli.compose.shells.membrane import MEMBRANES
 from dismech_cli.output.writers import WRITERS
 from dismech_cli.run.observables.reduce import REDUCTIONS
-from dismech_cli.scenario.checking.checks import SURFACE_GROUPS
+from dismech_cli.scenario.checking.names import SURFACE_GROUPS
 from dismech_cli.scenario.language import numerics
 from dismech_cli.scenario.language.expect import Reduction
 from dismech_cli.scenario.language.force import Force, Load

@@ -15,7 +15,8 @@ from ..arrays import FloatArray
 from ..laws.laws import Constant, Law, Ramp
 from ..scenario.language.numerics import Static
 from ..scenario.load import LoadedScenario
-from ..scenario.values.law import LawSpec, to_law
+from ..scenario.values.law import LawSpec
+from ..scenario.values.runtime_law import to_law
 
 Coordinates = Mapping[str, FloatArray]
 """Values of the variables of space that an expression may use."""

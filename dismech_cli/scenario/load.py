@@ -10,15 +10,16 @@ from pathlib import Path
 from ..errors import ScenarioError
 from .checking.checks import findings
 from .checking.plausibility import doubts
-from .checking.validation import check_version, place, point, validate
+from .checking.validation import check_version, validate
 from .language.scenario import Scenario
 from .text.files import parse_source, read_source, resolve_file
 from .text.merge import Includes, without
 from .text.overrides import apply_override
 from .text.problems import Problem, ProblemsError, excerpt
 from .text.profiles import NAMES, apply_profile
-from .text.tree import KeyPath, Node
-from .values.law import TableFile, TableLaw, to_law
+from .text.tree import KeyPath, Node, place, point
+from .values.law import TableFile, TableLaw
+from .values.runtime_law import to_law
 from .views.dump import dump_resolved, text_hash
 from .views.provenance import Provenance, trace
 from .views.reference import json_schema, markdown_reference

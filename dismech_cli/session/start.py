@@ -14,10 +14,11 @@ from ..errors import ScenarioError
 from ..output import run_directory
 from ..output.manifest import Manifest, installed_versions
 from ..output.run_directory import LOG_FILE, RunLock
+from ..quantities import QuantityError, parse_quantity
 from ..run.interrupt import stop_on_signals
 from ..run.loop import Limits
 from ..scenario.load import LoadedScenario, load
-from ..units import KINDS, QuantityError, parse_quantity
+from ..units import KINDS
 from .conduct import Report, Session, conduct
 from .inputs import Inputs, gather_inputs
 

@@ -14,7 +14,7 @@ from dismech_cli.csv_columns import read_columns
 from dismech_cli.errors import ScenarioError
 from dismech_cli.laws import laws
 from dismech_cli.scenario.load import json_schema, markdown_reference
-from dismech_cli.scenario.values.law import to_law
+from dismech_cli.scenario.values.runtime_law import to_law
 
 __all__ = ["folder"]
 

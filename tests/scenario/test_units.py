@@ -9,7 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from dismech_cli.units import KINDS, UNITS, QuantityError, parse_quantity, read_quantity
+from dismech_cli.quantities import QuantityError, parse_quantity, read_quantity
+from dismech_cli.units import KINDS, UNITS
 
 ROUNDING = 4e-16  # a product or two in double precision
 

@@ -3,157 +3,37 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TypeAlias, get_args
+from typing import get_args
 
 import numpy as np
 
 from ...laws.expression import VARIABLES, compile_expression
-from ...words import hint, listed
-from ..language.actuation import ShellActuation
+from ...words import hint
 from ..language.force import Buoyancy, Gravity
-from ..language.geometry import Body, Shell
 from ..language.motion import Clamp, Twist
 from ..language.numerics import Static
 from ..language.output import RodField, ShellField
-from ..language.probe import MeanPositionProbe, Probe, StabilityProbe
+from ..language.probe import StabilityProbe
 from ..language.scenario import Scenario
 from ..text.tree import KeyPath
 from ..values.law import PLACES, ExpressionLaw
-from ..values.selection import EdgeSelection, GroupSelection, NodeSelection
-from ..views.walk import walk
-
-Finding: TypeAlias = tuple[KeyPath, str]
+from ..views.walk import probes, walk
+from .finding import Finding
+from .names import name_findings
 
 # Times at which expressions are tried, both ends among them.
 _TRIED = 101
 
-SURFACE_GROUPS = {
-    "sheet": ("left", "right", "bottom", "top", "rim"),
-    "disc": ("center", "rim"),
-    "annulus": ("inner", "outer"),
-    "hemisphere": ("apex", "rim"),
-    "cylinder": ("left", "right", "bottom", "top", "rim"),
-    "sphere": ("left", "right", "bottom", "top", "rim"),
-}
-
 
 def findings(scenario: Scenario) -> Iterator[Finding]:
     """Every contradiction of a scenario, as key path and message."""
-    yield from _bodies(scenario)
-    yield from _selections(scenario)
-    yield from _rod_names(scenario)
-    yield from _shell_names(scenario)
+    yield from name_findings(scenario)
     yield from _dimension(scenario)
     yield from _time(scenario)
     yield from _expressions(scenario)
     yield from _forces(scenario)
     yield from _output(scenario)
     yield from _expectations(scenario)
-
-
-def _bodies(scenario: Scenario) -> Iterator[Finding]:
-    seen: set[str] = set()
-    for i, body in enumerate(scenario.geometry):
-        if body.material not in scenario.materials:
-            near = hint(body.material, scenario.materials)
-            yield ("geometry", i, "material"), f"no material is named {body.material!r}{near}"
-        if body.name in seen:
-            yield ("geometry", i, "name"), f"the name {body.name!r} is taken by another body"
-        seen.add(body.name)
-
-
-def _selections(scenario: Scenario) -> Iterator[Finding]:
-    bodies = {body.name: body for body in scenario.geometry}
-    rods = [rod.name for rod in scenario.rods.values()]
-    kind = "body" if scenario.shells else "rod"
-    for path, value in walk(scenario):
-        match value:
-            case GroupSelection(group=group):
-                message = _group(group, bodies, kind)
-                if message:
-                    yield (*path, "group"), message
-            case NodeSelection(nodes=part) if part.of not in bodies:
-                yield (*path, "nodes", "of"), f"no {kind} is named {part.of!r}{hint(part.of, bodies)}"
-            case EdgeSelection(edges=part) if part.of not in rods:
-                yield (*path, "edges", "of"), f"no rod is named {part.of!r}{hint(part.of, rods)}"
-
-
-def _group(group: str, bodies: dict[str, Body], kind: str) -> str | None:
-    name, dot, part = group.partition(".")
-    if name not in bodies:
-        return f"no {kind} is named {name!r}{hint(name, bodies)}"
-    body = bodies[name]
-    if not dot or body.mesh is not None:
-        return None
-    if isinstance(body, Shell):
-        assert body.generate is not None
-        known = (*SURFACE_GROUPS[body.generate.shape], "boundary")
-        if part in known:
-            return None
-        return f"a generated {body.generate.shape} has the groups {listed(known, 'and')} only, not {part!r}"
-    if getattr(body.generate, "closed", False):
-        return f"the closed rod {name!r} has no ends and no group {part!r}"
-    if part not in ("start", "end"):
-        near = hint(part, ("start", "end"))
-        return f"a generated rod has the groups 'start' and 'end' only, not {part!r}{near}"
-    return None
-
-
-def _rod_names(scenario: Scenario) -> Iterator[Finding]:
-    rods = [rod.name for rod in scenario.rods.values()]
-    bodies = [body.name for body in scenario.geometry]
-    named = list(_loaded(scenario, "rods"))
-    if not rods:
-        yield from _vain(scenario, "rods")
-    for i, part in enumerate(scenario.actuation):
-        if isinstance(part, ShellActuation):
-            continue
-        named.append((("actuation", i, "rod"), part.rod))
-        if part.joints is not None and part.joints[1] < part.joints[0]:
-            yield ("actuation", i, "joints"), f"a range goes from first to last, got {list(part.joints)}"
-    for path, probe in _probes(scenario):
-        if isinstance(probe, MeanPositionProbe) and probe.mean_position not in bodies:
-            kind = "body" if scenario.shells else "rod"
-            near = hint(probe.mean_position, bodies)
-            yield (*path, "mean_position"), f"no {kind} is named {probe.mean_position!r}{near}"
-    for path, name in named:
-        if name not in rods:
-            yield path, _unnamed("rod", name, rods, scenario)
-
-
-def _unnamed(kind: str, name: str, known: list[str], scenario: Scenario) -> str:
-    if any(body.name == name for body in scenario.geometry):
-        return f"{name!r} is no {kind}"
-    return f"no {kind} is named {name!r}{hint(name, known)}"
-
-
-def _shell_names(scenario: Scenario) -> Iterator[Finding]:
-    shells = [shell.name for shell in scenario.shells.values()]
-    named = [*_loaded(scenario, "shells"), *_loaded(scenario, "shell")]
-    if not shells:
-        yield from _vain(scenario, "shells")
-    for i, part in enumerate(scenario.actuation):
-        if isinstance(part, ShellActuation):
-            named.append((("actuation", i, "shell"), part.shell))
-    for path, name in named:
-        if name not in shells:
-            yield path, _unnamed("shell", name, shells, scenario)
-
-
-def _loaded(scenario: Scenario, key: str) -> Iterator[Finding]:
-    """Bodies that forces name under a key, with their places."""
-    for i, force in enumerate(scenario.forces):
-        if force.acts_on == key:
-            for path, value in walk(getattr(force, key), ("forces", i, key)):
-                if isinstance(value, str):
-                    yield path, value
-
-
-def _vain(scenario: Scenario, key: str) -> Iterator[Finding]:
-    """Forces on all bodies of a kind that the scene lacks."""
-    for i, force in enumerate(scenario.forces):
-        if force.acts_on == key and getattr(force, key) is None:
-            yield ("forces", i, "type"), f"acts on {key}, but the scene has none"
 
 
 def _dimension(scenario: Scenario) -> Iterator[Finding]:
@@ -243,11 +123,11 @@ def _output(scenario: Scenario) -> Iterator[Finding]:
     if output.every is not None and end is not None and output.every > end:
         yield ("output", "every"), f"longer than the run of {end:g} s"
     if not isinstance(scenario.numerics.integrator, Static):
-        for path, probe in _probes(scenario):
+        for path, probe in probes(scenario):
             if isinstance(probe, StabilityProbe):
                 yield path, "eigenvalues are computed in static runs only"
     elif any(getattr(force, "follower", False) for force in scenario.forces):
-        for path, probe in _probes(scenario):
+        for path, probe in probes(scenario):
             if isinstance(probe, StabilityProbe):
                 yield path, "a follower load makes the stiffness unsymmetric: its sign tells nothing"
 
@@ -267,10 +147,3 @@ def _expectations(scenario: Scenario) -> Iterator[Finding]:
             time = getattr(expectation, key)
             if time is not None and end is not None and time > end:
                 yield (*path, key), f"after the end of the run at {end:g} s"
-
-
-def _probes(scenario: Scenario) -> Iterator[tuple[KeyPath, Probe]]:
-    for name, probe in scenario.output.probes.items():
-        yield ("output", "probes", name), probe
-    for name, expectation in scenario.expect.items():
-        yield ("expect", name, "probe"), expectation.probe

@@ -20,7 +20,7 @@ from ..language.surface import (
     SheetSurface,
     SphereSurface,
 )
-from .checks import Finding
+from .finding import Finding
 
 SOFTEST, STIFFEST = 1e3, 1.3e12  # [Pa] jelly, diamond
 LIGHTEST, HEAVIEST = 1.0, 23e3  # [kg/m^3] aerogel, osmium

@@ -7,7 +7,8 @@ from typing import Annotated, Literal, TypeAlias
 
 from pydantic import Field
 
-from ..values.law import PLACES, LawOf, LawSpec
+from ..values.law import PLACES, LawSpec
+from ..values.law_of import LawOf
 from ..values.quantity import DirectionTriple, LengthTriple, Name, Quantity
 from ..values.selection import IndexRange, SelectedNodes
 from ..values.spec import Spec

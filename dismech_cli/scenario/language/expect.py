@@ -7,7 +7,8 @@ from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import Field, ValidationInfo, WithJsonSchema, field_serializer, field_validator
 
-from ...units import KINDS, QuantityError, read_quantity
+from ...quantities import QuantityError, read_quantity
+from ...units import KINDS
 from ..text.tree import describe
 from ..values.quantity import Time, to_si
 from ..values.spec import Spec, problem

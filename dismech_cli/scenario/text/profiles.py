@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 from ...errors import ScenarioError
-from ...units import KINDS, QuantityError, parse_quantity
+from ...quantities import QuantityError, parse_quantity
+from ...units import KINDS
 from ...words import hint
 from .merge import merge
 from .problems import Problem, ProblemsError

@@ -115,3 +115,23 @@ def format_path(path: KeyPath) -> str:
     for part in path:
         text += f"[{part}]" if isinstance(part, int) else (f".{part}" if text else part)
     return text
+
+
+def place(root: Node, path: KeyPath) -> tuple[KeyPath, Node]:
+    """The node nearest to a key path, and the path as the text has it.
+
+    Text may be short for a mapping, as ``beam.start`` is for ``{group: beam.start}``: then the
+    path ends at the text. The path of a key that is not there stays whole.
+    """
+    node = root
+    for i, part in enumerate(path):
+        child = node.child(part)
+        if child is None:
+            return (path, node) if isinstance(node.value, Mapping | tuple) else (path[:i], node)
+        node = child
+    return path, node
+
+
+def point(node: Node) -> Mark:
+    """Where a message about ``node`` points: a scalar itself, else the key of the collection."""
+    return node.place if isinstance(node.value, Mapping | tuple) else node.mark

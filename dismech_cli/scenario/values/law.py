@@ -1,119 +1,21 @@
-"""Laws of time in the scenario, and how they become runtime laws."""
+"""Laws of time in the scenario."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from contextvars import ContextVar
-from dataclasses import dataclass
 from itertools import pairwise
-from pathlib import Path
-from types import MappingProxyType
 from typing import Annotated, Any, Final, Literal, TypeAlias
 
 from annotated_types import Len
-from pydantic import (
-    Field,
-    GetCoreSchemaHandler,
-    GetJsonSchemaHandler,
-    Strict,
-    Tag,
-    field_validator,
-    model_validator,
-)
-from pydantic.json_schema import JsonSchemaValue
-from pydantic_core import CoreSchema, core_schema
+from pydantic import Field, Strict, Tag, field_validator, model_validator
 
-from ...arrays import FloatArray
-from ...csv_columns import read_columns
-from ...laws import laws
 from ...laws.expression import VARIABLES, ExpressionError, compile_expression
-from ...units import KINDS
 from ...words import listed
-from ..text.tree import describe
-from .quantity import Angle, Column, FileName, Frequency, Quantity, Time, to_si
+from .law_of import FieldValue, LawOf, Row, variables_here
+from .quantity import Angle, Column, FileName, Frequency, Quantity, Time
 from .spec import Spec, problem, tag, told_by_key
 
 PLACES: Final = ("x", "y", "z", "r")
 """Variables of laws that act on the hinges of a shell: where the middle of the hinge is at rest [m]."""
-
-
-@dataclass(frozen=True, slots=True)
-class LawOf:
-    """Marks a field as a law whose values are a physical quantity.
-
-    Attributes:
-        name: Key of :data:`.units.KINDS`.
-        variables: Those that an expression may use: ``t``, ``s`` along a rod, :data:`PLACES` on shells.
-    """
-
-    name: str
-    variables: tuple[str, ...] = ("t",)
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.no_info_wrap_validator_function(self._validate, handler(source))
-
-    def _validate(self, value: Any, inner: core_schema.ValidatorFunctionWrapHandler) -> Any:
-        token = _FIELD.set(self)
-        try:
-            return inner(value)
-        finally:
-            _FIELD.reset(token)
-
-    def __get_pydantic_json_schema__(
-        self, schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> JsonSchemaValue:
-        return handler(schema["schema"]) | {
-            "x-unit": KINDS[self.name].unit,
-            "x-quantity": self.name,
-        }
-
-
-# The law models are shared by all quantities; the field being validated says which one is meant.
-_FIELD: ContextVar[LawOf] = ContextVar("law field")
-_PLAIN = LawOf("ratio")
-
-
-@dataclass(frozen=True, slots=True)
-class _FieldQuantity:
-    """Marks a number as a value of the law's field."""
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.no_info_before_validator_function(_read, handler(source))
-
-    def __get_pydantic_json_schema__(
-        self, schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> JsonSchemaValue:
-        return {"anyOf": [{"type": "number"}, {"type": "string"}]}
-
-
-def _read(value: object) -> float:
-    return to_si(value, KINDS[_FIELD.get(_PLAIN).name])
-
-
-FieldValue: TypeAlias = Annotated[float, _FieldQuantity()]
-
-
-@dataclass(frozen=True, slots=True)
-class TimeAndValue:
-    """Marks a pair as a time and a value of the law's field."""
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.no_info_before_validator_function(_row, handler(source))
-
-    def __get_pydantic_json_schema__(
-        self, schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> JsonSchemaValue:
-        item = {"anyOf": [{"type": "number"}, {"type": "string"}]}
-        return {"type": "array", "items": item, "minItems": 2, "maxItems": 2}
-
-
-def _row(pair: object) -> tuple[float, float]:
-    if not isinstance(pair, tuple | list) or len(pair) != 2:
-        raise problem(f"expected a time and a value, got {describe(pair)}")
-    return to_si(pair[0], KINDS["time"]), _read(pair[1])
-
-
-Row: TypeAlias = Annotated[tuple[float, ...], TimeAndValue()]
 
 
 class TableFile(Spec):
@@ -218,7 +120,7 @@ class ExpressionLaw(Spec):
             compiled = compile_expression(text, (*VARIABLES, *PLACES))
         except ExpressionError as error:
             raise problem(f"{error.reason} (at column {error.column} of the expression)") from None
-        foreign = sorted(compiled.variables.difference(_FIELD.get(_PLAIN).variables))
+        foreign = sorted(compiled.variables.difference(variables_here()))
         if foreign:
             where = "actuation of shells" if set(foreign).intersection(PLACES) else "actuation"
             raise problem(f"{listed(foreign)} has a meaning under {where} only")
@@ -250,42 +152,3 @@ MomentLaws: TypeAlias = Annotated[tuple[MomentLaw, ...], Len(3, 3), Strict(False
 AccelerationLaws: TypeAlias = Annotated[tuple[AccelerationLaw, ...], Len(3, 3), Strict(False)]
 ForcePerLengthLaws: TypeAlias = Annotated[tuple[ForcePerLengthLaw, ...], Len(3, 3), Strict(False)]
 MomentPerLengthLaws: TypeAlias = Annotated[tuple[MomentPerLengthLaw, ...], Len(3, 3), Strict(False)]
-
-
-def to_law(
-    spec: LawSpec, directory: Path, places: Mapping[str, FloatArray] = MappingProxyType({})
-) -> laws.Law:
-    """The runtime law of a scenario law.
-
-    Args:
-        spec: As validated, in SI units.
-        directory: Folder of the scenario, where names of table files start.
-        places: Values of the variables of :data:`PLACES`, where the law may use them.
-
-    Raises:
-        ScenarioError: if a table file cannot be used.
-    """
-    match spec:
-        case TableLaw():
-            return _table(spec, directory)
-        case RampLaw(ramp=r):
-            return laws.Ramp(before=r.before, after=r.after, start=r.start, end=r.end)
-        case SineLaw(sine=w):
-            return laws.Sine(amplitude=w.amplitude, frequency=w.frequency, phase=w.phase, offset=w.offset)
-        case SawtoothLaw(sawtooth=w):
-            return laws.Sawtooth(
-                amplitude=w.amplitude, frequency=w.frequency, phase=w.phase, offset=w.offset, width=w.width
-            )
-        case ExpressionLaw(expression=text):
-            return laws.Expression(text, places)
-        case number:
-            return laws.Constant(float(number))
-
-
-def _table(spec: TableLaw, directory: Path) -> laws.Table:
-    if isinstance(spec.table, TableFile):
-        file = spec.table
-        times, values = (c.tolist() for c in read_columns(directory / file.file, (file.time, file.value)))
-    else:
-        times, values = [row[0] for row in spec.table], [row[1] for row in spec.table]
-    return laws.Table(times=tuple(times), values=tuple(values), interpolation=spec.interpolation)

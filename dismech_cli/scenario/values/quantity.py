@@ -10,7 +10,8 @@ from pydantic import Field, GetCoreSchemaHandler, GetJsonSchemaHandler, Strict
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema, core_schema
 
-from ...units import KINDS, Kind, QuantityError, parse_quantity
+from ...quantities import QuantityError, parse_quantity
+from ...units import KINDS, Kind
 from ..text.tree import describe
 from .spec import problem
 

@@ -12,8 +12,10 @@ from pydantic.fields import FieldInfo
 
 from ...units import KINDS
 from ..language.expect import Expectation, measured
+from ..language.probe import Probe
+from ..language.scenario import Scenario
 from ..text.tree import KeyPath
-from ..values.law import LawOf, TimeAndValue
+from ..values.law_of import LawOf, TimeAndValue
 from ..values.quantity import FileReference, Quantity
 from ..values.selection import Selection, Selects
 
@@ -33,6 +35,14 @@ def walk(value: Any, path: KeyPath = ()) -> Iterator[tuple[KeyPath, Any]]:
                 yield from walk(child, (*path, i))
         case _:
             pass
+
+
+def probes(scenario: Scenario) -> Iterator[tuple[KeyPath, Probe]]:
+    """All probes, those of expectations too, with their key paths."""
+    for name, probe in scenario.output.probes.items():
+        yield ("output", "probes", name), probe
+    for name, expectation in scenario.expect.items():
+        yield ("expect", name, "probe"), expectation.probe
 
 
 @dataclass(frozen=True, slots=True)

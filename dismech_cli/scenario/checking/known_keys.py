@@ -1,0 +1,54 @@
+"""The keys that the language knows at a place of a scenario."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from functools import cache
+from typing import Any, Final
+
+from ..language.scenario import Scenario
+from ..text.tree import KeyPath
+
+TAG_KEYS: Final = ("type", "shape")
+"""Keys by which the members of a union are told apart."""
+
+
+@cache
+def _schema() -> dict[str, Any]:
+    return Scenario.model_json_schema(by_alias=True)
+
+
+def known_keys(data: Any, path: KeyPath) -> list[str]:
+    """Keys that the schema knows in the mapping at ``path`` of ``data``."""
+    schemas = [_schema()]
+    for part in path:
+        schemas = [below for schema in _variants(schemas, data) for below in _below(schema, part)]
+        data = data[part]
+    return sorted({key for schema in _variants(schemas, data) for key in schema.get("properties", {})})
+
+
+def _variants(schemas: list[dict[str, Any]], data: Any) -> Iterator[dict[str, Any]]:
+    """References and unions opened; members of another ``type`` than that of ``data`` left out."""
+    for schema in schemas:
+        if "$ref" in schema:
+            yield from _variants([_schema()["$defs"][schema["$ref"].rpartition("/")[2]]], data)
+            continue
+        for key in ("oneOf", "anyOf"):
+            yield from _variants(schema.get(key, []), data)
+        if all(_fits(schema.get("properties", {}).get(key), data, key) for key in TAG_KEYS):
+            yield schema
+
+
+def _fits(tag: dict[str, Any] | None, data: Any, key: str) -> bool:
+    if tag is None or not isinstance(data, Mapping) or key not in data:
+        return True
+    return bool(data[key] in tag.get("enum", [tag.get("const")]))
+
+
+def _below(schema: dict[str, Any], part: str | int) -> list[dict[str, Any]]:
+    if isinstance(part, int):
+        return [schema["items"]] if "items" in schema else []
+    if part in schema.get("properties", {}):
+        return [schema["properties"][part]]
+    named = [*schema.get("patternProperties", {}).values(), schema.get("additionalProperties")]
+    return [extra for extra in named if isinstance(extra, dict)]

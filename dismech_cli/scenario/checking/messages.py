@@ -1,0 +1,95 @@
+"""What pydantic found wrong, in plain words."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Final
+
+from pydantic_core import ErrorDetails
+
+from ...words import did_you_mean, hint, listed
+from ..text.tree import KeyPath, describe
+from .known_keys import known_keys
+
+_BOUNDS: Final = {
+    "greater_than": ("greater than", "gt"),
+    "greater_than_equal": ("at least", "ge"),
+    "less_than": ("less than", "lt"),
+    "less_than_equal": ("at most", "le"),
+}
+_EXPECTED: Final = {
+    "float_type": "a number",
+    "int_type": "a whole number",
+    "int_from_float": "a whole number",
+    "bool_type": "true or false",
+    "string_type": "text",
+    "model_type": "a mapping",
+    "model_attributes_type": "a mapping",
+    "dict_type": "a mapping",
+    "tuple_type": "a list",
+    "list_type": "a list",
+    "finite_number": "a finite number",
+}
+
+
+def message(detail: ErrorDetails, data: Any, path: KeyPath) -> str:
+    """What is wrong with the value at a key path.
+
+    Args:
+        detail: Of pydantic.
+        data: The whole scenario as written.
+        path: Key path of the fault.
+    """
+    kind, given, context = detail["type"], detail["input"], detail.get("ctx", {})
+    if kind == "scenario":
+        return str(context["message"])
+    if kind == "missing":
+        return "missing key"
+    if kind == "extra_forbidden":
+        known = known_keys(data, path[:-1])
+        return f"unknown key{hint(str(path[-1]), known) or '; known: ' + listed(known, 'and')}"
+    if kind == "literal_error":
+        return f"expected {context['expected']}, got {describe(given)}{_hint(given, context['expected'])}"
+    if kind == "union_tag_invalid":
+        tag = str(context["tag"])
+        return f"expected {context['expected_tags']}, got {tag!r}{_hint(tag, context['expected_tags'])}"
+    if kind == "union_tag_not_found":
+        if not isinstance(given, Mapping):
+            return f"expected a mapping, got {describe(given)}"
+        return f"missing key {str(context['discriminator']).strip(chr(39))!r}"
+    if kind == "one_key":
+        return _one_key(given, detail["msg"].split())
+    if kind in _EXPECTED:
+        return f"expected {_EXPECTED[kind]}, got {describe(given)}"
+    if kind in ("too_short", "too_long"):
+        return _length(context, kind)
+    if kind in _BOUNDS:
+        words, key = _BOUNDS[kind]
+        return f"must be {words} {context[key]}, got {describe(given)}"
+    if kind == "string_pattern_mismatch":
+        return f"not a usable name: {describe(given)}; use letters, digits, '_' and '-'"
+    if kind in ("string_too_short", "string_too_long"):
+        return "must not be empty" if kind == "string_too_short" else "text too long"
+    return str(detail["msg"])
+
+
+def _length(context: Mapping[str, Any], kind: str) -> str:
+    low, actual = context.get("min_length"), context.get("actual_length")
+    bound = f"at least {low}" if kind == "too_short" else f"at most {context.get('max_length')}"
+    return f"expected {bound} items, got {actual if actual is not None else 'more'}"
+
+
+def _one_key(given: Any, keys: list[str]) -> str:
+    names = ", ".join(keys)
+    if not isinstance(given, Mapping):
+        return f"expected a mapping with one of {names}; got {describe(given)}"
+    present = [key for key in keys if key in given]
+    if len(present) > 1:
+        return f"expected only one of {' and '.join(map(repr, present))}"
+    near = next((hint(str(key), keys) for key in given if did_you_mean(str(key), keys)), "")
+    return f"expected one of {names}; got {', '.join(map(str, given)) or 'nothing'}{near}"
+
+
+def _hint(given: object, expected: str) -> str:
+    choices = [choice.strip(" '") for choice in expected.replace(" or ", ",").split(",")]
+    return hint(given, choices) if isinstance(given, str) else ""

@@ -1,0 +1,100 @@
+"""What a law of the scenario is a law of: the quantity of its values, which its numbers are read as."""
+
+from __future__ import annotations
+
+from contextvars import ContextVar
+from dataclasses import dataclass
+from typing import Annotated, Any, TypeAlias
+
+from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic.json_schema import JsonSchemaValue
+from pydantic_core import CoreSchema, core_schema
+
+from ...units import KINDS
+from ..text.tree import describe
+from .quantity import to_si
+from .spec import problem
+
+
+@dataclass(frozen=True, slots=True)
+class LawOf:
+    """Marks a field as a law whose values are a physical quantity.
+
+    Attributes:
+        name: Key of :data:`.units.KINDS`.
+        variables: Those that an expression may use: ``t``, ``s`` along a rod, places on shells.
+    """
+
+    name: str
+    variables: tuple[str, ...] = ("t",)
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_wrap_validator_function(self._validate, handler(source))
+
+    def _validate(self, value: Any, inner: core_schema.ValidatorFunctionWrapHandler) -> Any:
+        token = _FIELD.set(self)
+        try:
+            return inner(value)
+        finally:
+            _FIELD.reset(token)
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        return handler(schema["schema"]) | {
+            "x-unit": KINDS[self.name].unit,
+            "x-quantity": self.name,
+        }
+
+
+# The law models are shared by all quantities; the field being validated says which one is meant.
+_FIELD: ContextVar[LawOf] = ContextVar("law field")
+_PLAIN = LawOf("ratio")
+
+
+@dataclass(frozen=True, slots=True)
+class _FieldQuantity:
+    """Marks a number as a value of the law's field."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_before_validator_function(_read, handler(source))
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        return {"anyOf": [{"type": "number"}, {"type": "string"}]}
+
+
+def variables_here() -> tuple[str, ...]:
+    """Variables that an expression in the field being validated may use."""
+    return _FIELD.get(_PLAIN).variables
+
+
+def _read(value: object) -> float:
+    return to_si(value, KINDS[_FIELD.get(_PLAIN).name])
+
+
+FieldValue: TypeAlias = Annotated[float, _FieldQuantity()]
+
+
+@dataclass(frozen=True, slots=True)
+class TimeAndValue:
+    """Marks a pair as a time and a value of the law's field."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_before_validator_function(_row, handler(source))
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        item = {"anyOf": [{"type": "number"}, {"type": "string"}]}
+        return {"type": "array", "items": item, "minItems": 2, "maxItems": 2}
+
+
+def _row(pair: object) -> tuple[float, float]:
+    if not isinstance(pair, tuple | list) or len(pair) != 2:
+        raise problem(f"expected a time and a value, got {describe(pair)}")
+    return to_si(pair[0], KINDS["time"]), _read(pair[1])
+
+
+Row: TypeAlias = Annotated[tuple[float, ...], TimeAndValue()]
