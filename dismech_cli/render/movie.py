@@ -3,40 +3,23 @@
 from __future__ import annotations
 
 import itertools
-import os
-import queue
 import shutil
-import subprocess
 import tempfile
-import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import IO, Literal
 
-import numpy as np
-
-from ..arrays import FloatArray
 from ..errors import RenderError, ScenarioError
 from ..output.durable import output_errors, staged
 from ..output.read import read
 from ..output.run_directory import RENDER_FOLDER
-from . import child
 from .coloring import make_scale
+from .drawing import Progress, draw, shares
 from .encode import require_encoder, write_gif, write_mp4
 from .framing import frame_motion
 from .job import Job
-from .probe import RendererName, find_renderer
+from .probe import RendererName
+from .selection import Times, real_time_fps, select_frames
 from .settings import Format, Settings, check_format, make_settings
-
-# Starting a process costs as much as drawing some dozens of frames.
-_MANY_FRAMES = 200
-# What draws unless it cannot; trying it out beforehand would cost as much as drawing some dozens of frames.
-_PREFERRED: RendererName = "pyvista"
-
-Progress = Callable[[int, int], None]
-"""Called with the number of frames drawn and the number of all."""
-
-Times = Literal["first", "last"] | Sequence[float] | None
 
 
 def render(
@@ -112,10 +95,10 @@ def render(
                     frames=frames[part],
                     files=files[part],
                 )
-                for part in _shares(len(frames))
+                for part in shares(len(frames))
             ]
 
-        _draw(jobs, progress)
+        draw(jobs, progress)
         for format, frames in selected.items():
             files = _output_files(run_dir, output, settings, format, frames)
             with output_errors(files[0].parent, "create"):
@@ -135,26 +118,6 @@ def _write(format: Format, pictures: list[Path], files: list[Path], fps: float) 
         (write_mp4 if format == "mp4" else write_gif)(pictures, files[0], fps)
 
 
-def select_frames(all_times: FloatArray, format: Format, times: Times) -> list[int]:
-    """Frame numbers that the user asked for, in order and without repetition."""
-    last = len(all_times) - 1
-    if times is None:
-        return [last] if format == "png" else list(range(last + 1))
-    if isinstance(times, str):
-        if times not in ("first", "last"):
-            raise ScenarioError(f"no frames are called {times!r}; use 'first', 'last' or times in seconds")
-        return [0] if times == "first" else [last]
-    return sorted({int(np.abs(all_times - t).argmin()) for t in times})
-
-
-def real_time_fps(all_times: FloatArray) -> float:
-    """Frames per second at which the video runs as fast as the motion, within 10 and 60."""
-    if len(all_times) < 2:
-        return 30.0
-    step = float(np.median(np.diff(all_times)))
-    return float(np.clip(round(1.0 / step, 3), 10.0, 60.0)) if step > 0 else 30.0
-
-
 def _output_files(
     run_dir: Path, output: Path | None, settings: Settings, format: Format, frames: list[int]
 ) -> list[Path]:
@@ -165,79 +128,3 @@ def _output_files(
         return [output]
     folder = run_dir / RENDER_FOLDER if output is None else output
     return [folder / f"{stem}-{frame:06d}.png" for frame in frames]
-
-
-def _shares(count: int) -> list[slice]:
-    """Consecutive parts of the frames, one for each process."""
-    processes = 1 if count < _MANY_FRAMES else os.cpu_count() or 1
-    bounds = np.linspace(0, count, processes + 1).round().astype(int).tolist()
-    return [slice(low, high) for low, high in itertools.pairwise(bounds) if high > low]
-
-
-def _draw(jobs: Callable[[RendererName], list[Job]], progress: Progress | None) -> None:
-    """Draw with the preferred renderer, or with the best one that works."""
-    try:
-        _draw_all(jobs(_PREFERRED), progress)
-    except RenderError:
-        working = find_renderer()
-        if working == _PREFERRED:
-            raise
-        _draw_all(jobs(working), progress)
-
-
-def _draw_all(jobs: list[Job], progress: Progress | None) -> None:
-    """Run one process per job; stop them all when one fails."""
-    lines: queue.Queue[tuple[int, str | None]] = queue.Queue()
-    total = sum(len(job.frames) for job in jobs)
-    done = 0
-    with tempfile.TemporaryFile("w+") as errors:
-        children = [_start(job, errors) for job in jobs]
-        try:
-            for number, process in enumerate(children):
-                threading.Thread(target=_listen, args=(number, process, lines), daemon=True).start()
-            running = len(children)
-            while running:
-                number, line = lines.get()
-                if line is not None:
-                    done += 1
-                    if progress is not None:
-                        progress(done, total)
-                    continue
-                running -= 1
-                code = children[number].wait()
-                if code != 0:
-                    errors.seek(0)
-                    last = errors.read().strip().splitlines()[-1:] or ["no message"]
-                    raise RenderError(f"drawing ended with {child.describe_exit(code)}: {last[0]}")
-        finally:
-            for process in children:
-                if process.poll() is None:
-                    process.kill()
-                    process.wait()
-
-
-def _start(job: Job, errors: IO[str]) -> subprocess.Popen[str]:
-    process = subprocess.Popen(
-        child.command("worker"),
-        env=child.environment(),
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        stderr=errors,
-        text=True,
-    )
-    assert process.stdin is not None
-    try:
-        with process.stdin:
-            process.stdin.write(job.to_json())
-    except BrokenPipeError:
-        # The process died before it read its job: its exit code tells more than the pipe.
-        pass
-    return process
-
-
-def _listen(number: int, process: subprocess.Popen[str], lines: queue.Queue[tuple[int, str | None]]) -> None:
-    assert process.stdout is not None
-    with process.stdout:
-        for line in process.stdout:
-            lines.put((number, line))
-    lines.put((number, None))

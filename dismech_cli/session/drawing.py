@@ -10,7 +10,7 @@ from pathlib import Path
 
 from ..cli.console import QUIET
 from ..output.run_directory import SCENARIO_FILE
-from ..render.movie import Progress
+from ..render.drawing import Progress
 from ..render.movie import render as make
 from ..render.plot import plot_scalars
 from ..scenario.language.output import Render

@@ -117,9 +117,9 @@ def test_exported_numbers_are_those_of_the_run(call, ran):
 
 
 def test_render_makes_a_picture(call, ran, monkeypatch):
-    import dismech_cli.render.movie
+    import dismech_cli.render.drawing
 
-    monkeypatch.setattr(dismech_cli.render.movie, "_PREFERRED", "matplotlib")
+    monkeypatch.setattr(dismech_cli.render.drawing, "_PREFERRED", "matplotlib")
     done = call("render", "out", "--format", "png", "--size", "160x120", "--view", "xz", "-o", "end.png")
     assert done.code == 0, done.stderr
     assert done.stdout == "end.png\n"
@@ -146,13 +146,13 @@ def test_render_refuses_what_does_not_exist(call, ran, options, message):
 @pytest.fixture
 def no_renderer(monkeypatch):
     """A machine on which drawing fails and nothing else draws."""
-    import dismech_cli.render.movie
+    import dismech_cli.render.drawing
 
     def fails(*_):
         raise RenderError("no picture can be made on this machine: apt-get install libegl1")
 
-    monkeypatch.setattr(dismech_cli.render.movie, "_draw_all", fails)
-    monkeypatch.setattr(dismech_cli.render.movie, "find_renderer", fails)
+    monkeypatch.setattr(dismech_cli.render.drawing, "_draw_all", fails)
+    monkeypatch.setattr(dismech_cli.render.drawing, "find_renderer", fails)
 
 
 def test_render_without_a_renderer_ends_with_6(call, ran, no_renderer):

@@ -17,8 +17,9 @@ from dismech_cli.render.coloring import Scale, cells_to_nodes, make_scale
 from dismech_cli.render.framing import frame_motion, view_basis
 from dismech_cli.render.ground import grid_lines
 from dismech_cli.render.job import Job
-from dismech_cli.render.movie import real_time_fps, render, select_frames
+from dismech_cli.render.movie import render
 from dismech_cli.render.overlay import round_length
+from dismech_cli.render.selection import real_time_fps, select_frames
 from dismech_cli.render.settings import Settings, make_settings
 from dismech_cli.render.shell_solid import make_shells
 from dismech_cli.render.worker import time_decimals
@@ -239,7 +240,7 @@ def test_drawing_falls_back_where_vtk_dies(broken_vtk, tmp_path):
 
 
 def test_a_still_and_a_video_share_their_frames(tmp_path, monkeypatch):
-    monkeypatch.setattr("dismech_cli.render.movie._PREFERRED", "matplotlib")
+    monkeypatch.setattr("dismech_cli.render.drawing._PREFERRED", "matplotlib")
     run_dir = write_run(tmp_path / "run", cantilever(frames=3))
     drawn = []
     still, video = render(
@@ -255,7 +256,7 @@ def test_a_still_and_a_video_share_their_frames(tmp_path, monkeypatch):
 
 
 def test_a_process_that_dies_while_drawing_is_an_error_here(broken_vtk, tmp_path, monkeypatch):
-    monkeypatch.setattr("dismech_cli.render.movie.find_renderer", lambda: "pyvista")
+    monkeypatch.setattr("dismech_cli.render.drawing.find_renderer", lambda: "pyvista")
     run_dir = write_run(tmp_path / "run", cantilever(frames=2))
     with pytest.raises(RenderError, match="drawing ended with signal SIGSEGV"):
         render(run_dir, formats=["png"])

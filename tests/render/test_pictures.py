@@ -10,7 +10,7 @@ from output_cases import cantilever, sheet, write_run
 from PIL import Image
 
 from dismech_cli.errors import OutputError, RenderError, ScenarioError
-from dismech_cli.render import movie, probe
+from dismech_cli.render import drawing, movie, probe
 from dismech_cli.render.encode import write_mp4
 from dismech_cli.render.plot import plot_scalars
 
@@ -22,7 +22,7 @@ RENDERERS = ["pyvista", "matplotlib"]
 def renderer(request, monkeypatch):
     if request.param == "pyvista" and probe.find_renderer() != "pyvista":
         pytest.skip("this machine has no OpenGL library")
-    monkeypatch.setattr(movie, "_PREFERRED", request.param)
+    monkeypatch.setattr(drawing, "_PREFERRED", request.param)
     return request.param
 
 
@@ -67,9 +67,9 @@ def test_colours_follow_the_field(tmp_path, renderer):
 
 
 def test_several_processes_draw_one_video_and_report_progress(tmp_path, monkeypatch):
-    monkeypatch.setattr(movie, "_PREFERRED", "matplotlib")
-    monkeypatch.setattr(movie, "_MANY_FRAMES", 4)
-    monkeypatch.setattr(movie.os, "cpu_count", lambda: 2)
+    monkeypatch.setattr(drawing, "_PREFERRED", "matplotlib")
+    monkeypatch.setattr(drawing, "_MANY_FRAMES", 4)
+    monkeypatch.setattr(drawing.os, "cpu_count", lambda: 2)
     run_dir = write_run(tmp_path, cantilever(frames=6))
     calls = []
     (file,) = movie.render(
@@ -110,8 +110,8 @@ def test_outputs_go_where_they_are_told(tmp_path, monkeypatch):
             for file in job.files:
                 Image.new("RGB", job.settings.size).save(file)
 
-    monkeypatch.setattr(movie, "_PREFERRED", "matplotlib")
-    monkeypatch.setattr(movie, "_draw_all", draw_nothing)
+    monkeypatch.setattr(drawing, "_PREFERRED", "matplotlib")
+    monkeypatch.setattr(drawing, "_draw_all", draw_nothing)
     run_dir = write_run(tmp_path / "run", cantilever(frames=3))
     one = tmp_path / "one.png"
     assert movie.render(run_dir, formats=["png"], size=SIZE, output=one) == [one]
