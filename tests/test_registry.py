@@ -2,20 +2,26 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator, Mapping
 from functools import cache
 from pathlib import Path
 from typing import Any, Literal, get_args, get_origin
 
 import pytest
+from cli_call import Call
+from cli_call import call as call
 from pydantic import BaseModel
+from rare_decks import PICTURES, RARE, picture_deck
 
+from dismech_cli.compose.compose import compose
 from dismech_cli.compose.loads.table import BUILDERS
 from dismech_cli.compose.numerics import DRIVERS, build_integrator
 from dismech_cli.compose.observables.fields import FIELDS
 from dismech_cli.compose.shells.bending import HINGES, SHELL_BENDING
 from dismech_cli.compose.shells.membrane import MEMBRANES
 from dismech_cli.output.writers import WRITERS
+from dismech_cli.run.loop import End
 from dismech_cli.run.observables.reduce import REDUCTIONS
 from dismech_cli.scenario.checking.names import SURFACE_GROUPS
 from dismech_cli.scenario.language import numerics
@@ -28,8 +34,10 @@ from dismech_cli.scenario.language.surface import Surface
 from dismech_cli.scenario.load import load
 from dismech_cli.scenario.text.profiles import NAMES
 from dismech_cli.scenario.views.walk import walk
+from dismech_cli.session.simulate import simulate
 from dismech_cli.solve.integrators import INTEGRATORS
 from dismech_cli.solve.linear.choice import LINEAR_SOLVERS
+from dismech_cli.solve.linear.pardiso import pardiso_available
 from dismech_cli.solve.tangents import TANGENTS
 
 SCENARIOS = Path(__file__).parents[1] / "scenarios"
@@ -83,15 +91,15 @@ def choices_offered() -> set[Choice]:
 @cache
 def used() -> tuple[frozenset[type[BaseModel]], frozenset[Choice]]:
     """Classes and choices of the shipped scenarios as validated, defaults among them."""
-    classes: set[type[BaseModel]] = set()
-    choices: set[Choice] = set()
-    for file in sorted(SCENARIOS.rglob("*.yaml")):
-        if file.parent.name != "base":
-            for _, value in walk(load(file).scenario):
-                if isinstance(value, BaseModel):
-                    classes.add(type(value))
-                    choices |= set(choices_of(value))
-    return frozenset(classes), frozenset(choices)
+    files = [file for file in sorted(SCENARIOS.rglob("*.yaml")) if file.parent.name != "base"]
+    classes, choices = zip(*(occurring(load(file).scenario) for file in files), strict=True)
+    return frozenset().union(*classes), frozenset().union(*choices)
+
+
+def occurring(scenario: Scenario) -> tuple[frozenset[type[BaseModel]], frozenset[Choice]]:
+    """Classes and choices of a validated scenario."""
+    specs = [value for _, value in walk(scenario) if isinstance(value, BaseModel)]
+    return frozenset(map(type, specs)), frozenset(choice for spec in specs for choice in choices_of(spec))
 
 
 def choices_of(spec: BaseModel) -> Iterator[Choice]:
@@ -102,63 +110,59 @@ def choices_of(spec: BaseModel) -> Iterator[Choice]:
                 yield name, choices, chosen
 
 
-# What no shipped scenario uses, for each belongs to a machine, to taste or to a special case: the test
-# file that does, and words in it. `auto` and other defaults count as used.
-OTHER_CLASSES = {
-    "RoundSection": ("compose/test_hybrids.py", '"radius"'),
-    "Sawtooth": ("scenario/test_reference.py", "sawtooth"),
-    "SawtoothLaw": ("scenario/test_reference.py", "sawtooth"),
-    "Sine": ("scenario/test_reference.py", "sine"),
-    "SineLaw": ("scenario/test_reference.py", "sine"),
-    "TableFile": ("scenario/test_reference.py", "{table: {file: w.csv"),
-    "VelocityFile": ("verification/test_vibration.py", '"velocity": {"file"'),
-}
-OTHER_CHOICES = {
-    ("color_by", "axial_force"): ("render/test_parts.py", "color_by"),
-    ("color_by", "director"): ("render/test_parts.py", "color_by"),
-    ("color_by", "positions"): ("render/test_parts.py", "color_by"),
-    ("color_by", "velocity"): ("render/test_parts.py", "color_by"),
-    ("fields", "positions"): ("scenario/test_errors.py", "positions"),
-    ("handedness", "left"): ("verification/test_helix_vibration.py", "left"),
-    ("hinges", "equal"): ("verification/test_plate_linear.py", '"hinges", "pattern"'),
-    ("interpolation", "cubic"): ("laws/test_laws.py", '"cubic"'),
-    ("interpolation", "step"): ("laws/test_laws.py", '"step"'),
-    ("kernels", "numba"): ("kernels/test_drivers.py", "NumbaDriver"),
-    ("kernels", "numpy"): ("kernels/test_drivers.py", "NUMPY"),
-    ("linear_solver", "banded"): ("solve/test_linear.py", "banded"),
-    ("linear_solver", "dense"): ("solve/test_linear.py", "dense"),
-    ("linear_solver", "pardiso"): ("solve/test_linear.py", "pardiso"),
-    ("linear_solver", "superlu"): ("solve/test_linear.py", "superlu"),
-    ("pattern", "unstructured"): ("verification/test_shell_published.py", "unstructured"),
-    ("plane", "xy"): ("scenarios/test_rods.py", "plane=xy"),
-    ("profiles", "accurate"): ("scenario/test_load.py", "accurate"),
-    ("profiles", "draft"): ("scenario/test_load.py", "draft"),
-    ("profiles", "normal"): ("scenario/test_load.py", "normal"),
-    ("reduce", "first"): ("run/test_reduce.py", "first"),
-    ("release", "bending"): ("compose/test_hybrids.py", '"bending"'),
-    ("shape", "flat"): ("compose/test_shells.py", '"flat"'),
-    ("video", "gif"): ("render/test_pictures.py", "gif"),
-    ("view", "yz"): ("render/test_parts.py", '"yz"'),
-}
-
-
 def test_the_schema_is_walked() -> None:
     names = {kind.__name__ for kind in classes_offered()}
     assert {"Gravity", "Shell", "Newton", "SineLaw", "Tangential", "SphereSelection", "Tolerance"} <= names
     assert ("bending", get_args(Shell.model_fields["bending"].annotation), "averaged") in choices_offered()
 
 
-def test_every_class_is_used_by_a_scenario() -> None:
-    assert {kind.__name__ for kind in classes_offered() - used()[0]} == set(OTHER_CLASSES)
+def test_a_rare_class_is_one_that_no_scenario_uses() -> None:
+    rare = set().union(*(one.classes for one in RARE.values()))
+    assert {kind.__name__ for kind in classes_offered() - used()[0]} == rare
 
 
-def test_every_choice_is_used_by_a_scenario() -> None:
-    assert {(name, choice) for name, _, choice in choices_offered() - used()[1]} == set(OTHER_CHOICES)
+def test_a_rare_choice_is_one_that_no_scenario_makes() -> None:
+    rare = set().union(
+        *(one.choices for one in RARE.values()), *(one.render.items() for one in PICTURES.values())
+    )
+    assert {(name, choice) for name, _, choice in choices_offered() - used()[1]} == rare
 
 
-@pytest.mark.parametrize(("file", "words"), sorted({*OTHER_CLASSES.values(), *OTHER_CHOICES.values()}))
-def test_what_no_scenario_uses_is_tested(file: str, words: str) -> None:
-    assert words in (Path(__file__).parent / file).read_text(encoding="utf-8")
+@pytest.mark.parametrize("name", RARE)
+def test_what_is_rare_works_too(tmp_path: Path, name: str) -> None:
+    if name == "numba":
+        pytest.importorskip("numba")
+    if name == "pardiso" and not pardiso_available():
+        pytest.skip("no MKL here")
+    rare = RARE[name]
+    for file, text in rare.files.items():
+        (tmp_path / file).write_text(text, encoding="utf-8")
+    scene = tmp_path / "scene.yaml"
+    scene.write_text(json.dumps(rare.deck), encoding="utf-8")
+    loaded = load(scene, profile=rare.profile)
+    classes, choices = occurring(loaded.scenario)
+    assert rare.classes <= {kind.__name__ for kind in classes}
+    declared = {("profiles", loaded.profile)}
+    assert rare.choices <= {(key, chosen) for key, _, chosen in choices} | declared
+    if rare.steps is None:
+        rare.ends(compose(loaded))
+        return
+    result = simulate(loaded)
+    assert result.outcome.end is End.DONE
+    rare.ends(result.built)
+    rare.steps(loaded, result)
+
+
+@pytest.mark.parametrize("name", PICTURES)
+def test_rare_pictures_are_drawn(call: Call, tmp_path: Path, name: str) -> None:
+    picture = PICTURES[name]
+    scene = tmp_path / "scene.yaml"
+    scene.write_text(json.dumps(picture_deck(picture)), encoding="utf-8")
+    _, choices = occurring(load(scene).scenario)
+    assert set(picture.render.items()) <= {(key, chosen) for key, _, chosen in choices}
+    assert call("run", scene, "--output", tmp_path / "out").code == 0
+    assert call("render", tmp_path / "out").code == 0
+    assert (tmp_path / "out" / "render" / picture.file).stat().st_size > 0
 
 
 # ---------------------------------------------------------------- registries

@@ -15,7 +15,8 @@ RodField: TypeAlias = Literal[
     "curvature", "twist", "axial_strain", "axial_force", "bending_moment", "director"
 ]
 ShellField: TypeAlias = Literal["area_strain", "bending_energy_density"]
-FieldName: TypeAlias = Literal["positions", "velocity", RodField, ShellField]
+ColorField: TypeAlias = Literal["velocity", RodField, ShellField]
+FieldName: TypeAlias = Literal["positions", ColorField]
 WriterName: TypeAlias = Literal["hdf5", "vtu", "csv"]
 Pixels: TypeAlias = Annotated[int, Field(ge=16, le=8192)]
 
@@ -26,7 +27,7 @@ class Render(Spec):
     view: Literal["xy", "xz", "yz", "iso"] = Field(default="iso", description="Where the camera looks from.")
     video: Literal["mp4", "gif", "none"] = Field(default="none", description="Film of the run.")
     still: bool = Field(default=False, description="A picture of the last frame.")
-    color_by: Literal["none", "speed"] | FieldName = Field(
+    color_by: Literal["none", "speed"] | ColorField = Field(
         default="none",
         description="Field shown as colour; it must be among `fields` (`speed` needs velocity).",
     )

@@ -1,0 +1,366 @@
+"""What no shipped scenario uses, for each belongs to a machine, to taste or to a special case.
+
+Each has a small deck that does, and an assertion about where it ends in the simulation.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field, fields, is_dataclass
+from typing import Any
+
+import numpy as np
+from decks import Deck, line, rod_deck
+from numpy.testing import assert_allclose, assert_array_equal
+from shell_decks import BELL, RUBBER, SHEET, rod, shell_deck
+
+from dismech_cli.compose.compose import Composition
+from dismech_cli.kernels.numba_driver import NumbaDriver
+from dismech_cli.kernels.numpy_driver import NumpyDriver
+from dismech_cli.laws import laws
+from dismech_cli.run.observables.reduce import reduce_series
+from dismech_cli.scenario.load import LoadedScenario
+from dismech_cli.sections.shells import hinge_stiffness
+from dismech_cli.session.simulate import Result
+
+Choice = tuple[str, str]
+SHORT: Deck = {"integrator": {"type": "implicit_euler"}, "dt": 0.01, "t_end": 0.02}
+
+
+@dataclass(frozen=True)
+class Rare:
+    """A deck for what is rare.
+
+    Attributes:
+        deck: The scenario.
+        ends: Asserts where it ends in the composition.
+        classes: Names of the classes of the language that it uses.
+        choices: Keys and what it chooses there.
+        files: Files beside the deck, by name.
+        profile: Loaded under it.
+        steps: Asserts what a run of it gives; None composes only.
+    """
+
+    deck: Deck
+    ends: Callable[[Composition], None]
+    classes: frozenset[str] = frozenset()
+    choices: frozenset[Choice] = frozenset()
+    files: Mapping[str, str] = field(default_factory=dict)
+    profile: str | None = None
+    steps: Callable[[LoadedScenario, Result], None] | None = None
+
+
+def parts_of(value: Any) -> Iterator[Any]:
+    """What a composition is made of, depth first."""
+    yield value
+    if is_dataclass(value):
+        for part in fields(value):
+            yield from parts_of(getattr(value, part.name))
+    elif isinstance(value, Mapping):
+        for part in value.values():
+            yield from parts_of(part)
+    elif isinstance(value, tuple | list):
+        for part in value:
+            yield from parts_of(part)
+
+
+def term(made: Composition, name: str) -> Any:
+    """A term by name."""
+    (found,) = (one for one in made.simulation.model.terms if one.name == name)
+    return found
+
+
+def pulled(law: Any, files: Mapping[str, str], *classes: str, choices: frozenset[Choice], ends: Any) -> Rare:
+    """A rod whose end is pulled by a law, which ends in a load as ``ends``."""
+
+    def check(made: Composition) -> None:
+        parts = parts_of(made.simulation.model.terms)
+        assert any(type(part) is type(ends) and part == ends for part in parts)
+
+    point = {"type": "point", "where": "rod.end", "force": [law, 0.0, 0.0]}
+    return Rare(
+        rod_deck(line(4), forces=[point], numerics=SHORT),
+        check,
+        classes=frozenset(classes),
+        choices=choices,
+        files=files,
+    )
+
+
+WAVE = {"amplitude": 2.0, "frequency": 3.0, "phase": 0.5, "offset": 1.0}
+ROWS = [[0.0, 0.0], [1.0, 2.0], [2.0, 0.0]]
+NONE: frozenset[Choice] = frozenset()
+
+
+def table(interpolation: Any) -> Rare:
+    return pulled(
+        {"table": ROWS, "interpolation": interpolation},
+        {},
+        choices=frozenset({("interpolation", interpolation)}),
+        ends=laws.Table(times=(0.0, 1.0, 2.0), values=(0.0, 2.0, 0.0), interpolation=interpolation),
+    )
+
+
+LAWS = {
+    "sine": pulled({"sine": WAVE}, {}, "Sine", "SineLaw", choices=NONE, ends=laws.Sine(**WAVE)),
+    "sawtooth": pulled(
+        {"sawtooth": WAVE | {"width": 0.5}},
+        {},
+        "Sawtooth",
+        "SawtoothLaw",
+        choices=NONE,
+        ends=laws.Sawtooth(**WAVE, width=0.5),
+    ),
+    "table in a file": pulled(
+        {"table": {"file": "pull.csv", "value": "pull"}},
+        {"pull.csv": "t, rest, pull\n0, 7, 0\n1, 7, 2\n"},
+        "TableFile",
+        choices=NONE,
+        ends=laws.Table(times=(0.0, 1.0), values=(0.0, 2.0)),
+    ),
+    "step": table("step"),
+    "cubic": table("cubic"),
+}
+
+
+# ---------------------------------------------------------------- bodies
+
+
+def is_round(made: Composition) -> None:
+    assert_array_equal(made.simulation.topology.edge_radius, 0.01)
+
+
+def turns_left(made: Composition) -> None:
+    a, b, c = np.diff(made.geometry.nodes, axis=0)[:3]
+    assert np.linalg.det([a, b, c]) < 0.0
+
+
+def has_equal_hinges(made: Composition) -> None:
+    (stiffness,) = hinge_stiffness(RUBBER.youngs_modulus, RUBBER.thickness, 1)
+    assert (term(made, "sheet.bending").parameters == stiffness).all(axis=1).any()
+
+
+def is_unbent_when_flat(made: Composition) -> None:
+    bending = term(made, "sheet.bending")
+    assert bending.natural.size
+    assert_array_equal(bending.natural, 0.0)
+
+
+def is_irregular(made: Composition) -> None:
+    assert any("unstructured triangles" in note for note in made.geometry.notes)
+
+
+def bends_freely(made: Composition) -> None:
+    (node,) = made.geometry.released["bending"]
+    assert_array_equal(made.geometry.nodes[node], [0.1, 0.0, 0.0])
+
+
+def moves(made: Composition) -> None:
+    assert_array_equal(made.simulation.initial_velocity.reshape(-1, 2)[:3], [[0, 0], [1, 3], [4, 6]])
+
+
+def lies_in_xy(made: Composition) -> None:
+    assert made.plan.axes == (0, 1)
+
+
+HELIX: Deck = {
+    "shape": "helix",
+    "origin": [0.0, 0.0, 0.0],
+    "axis": [0.0, 0.0, 1.0],
+    "radius": 0.1,
+    "pitch": 0.1,
+    "turns": 1.0,
+    "handedness": "left",
+    "nodes": 9,
+}
+
+BODIES = {
+    "round section": Rare(
+        rod_deck(line(4), {"type": "round", "radius": 0.01}), is_round, classes=frozenset({"RoundSection"})
+    ),
+    "left-handed": Rare(
+        rod_deck(HELIX, dimension=3), turns_left, choices=frozenset({("handedness", "left")})
+    ),
+    "plane xy": Rare(rod_deck(line(4), plane="xy"), lies_in_xy, choices=frozenset({("plane", "xy")})),
+    "equal hinges": Rare(
+        shell_deck(SHEET | {"pattern": "alternating"}, body={"bending": "hinge", "hinges": "equal"}),
+        has_equal_hinges,
+        choices=frozenset({("hinges", "equal")}),
+    ),
+    "flat": Rare(
+        shell_deck(BELL, body={"bending": "hinge", "natural": {"shape": "flat"}}),
+        is_unbent_when_flat,
+        choices=frozenset({("shape", "flat")}),
+    ),
+    "unstructured": Rare(
+        shell_deck(SHEET | {"pattern": "unstructured"}),
+        is_irregular,
+        choices=frozenset({("pattern", "unstructured")}),
+    ),
+    "released bending": Rare(
+        shell_deck(
+            geometry=[rod([0.0, 0.0, 0.0], [0.1, 0.0, 0.0], "a"), rod([0.1, 0.0, 0.0], [0.2, 0.0, 0.0], "b")],
+            joints=[{"type": "rigid", "nodes": ["a.end", "b.start"], "release": "bending"}],
+        ),
+        bends_freely,
+        choices=frozenset({("release", "bending")}),
+    ),
+    "velocity in a file": Rare(
+        rod_deck(
+            line(3),
+            motions=[],
+            numerics=SHORT,
+            initial_velocity=[{"where": "rod", "velocity": {"file": "v.csv"}}],
+        ),
+        moves,
+        classes=frozenset({"VelocityFile"}),
+        files={"v.csv": "x, y, z\n0, 0, 0\n1, 0, 3\n4, 0, 6\n"},
+    ),
+}
+
+
+# ---------------------------------------------------------------- numerics
+
+
+def solved_by(name: str) -> Rare:
+    def names_it(made: Composition) -> None:
+        assert made.simulation.linear_solver == name
+
+    def hangs(loaded: LoadedScenario, result: Result) -> None:
+        assert result.frames[-1].positions[-1, 2] < 0.0
+
+    return Rare(
+        rod_deck(
+            line(4),
+            forces=[{"type": "gravity", "acceleration": [0.0, 0.0, -9.81]}],
+            numerics=SHORT | {"linear_solver": name},
+        ),
+        names_it,
+        choices=frozenset({("linear_solver", name)}),
+        steps=hangs,
+    )
+
+
+def run_by(name: str, driver: type) -> Rare:
+    def drives(made: Composition) -> None:
+        assert made.plan.kernels == name
+        assert isinstance(made.simulation.model.driver, driver)
+
+    def steps(loaded: LoadedScenario, result: Result) -> None:
+        assert np.isfinite(result.frames[-1].positions).all()
+
+    return Rare(
+        rod_deck(line(4), numerics=SHORT | {"kernels": name}),
+        drives,
+        choices=frozenset({("kernels", name)}),
+        steps=steps,
+    )
+
+
+def under(profile: str) -> Rare:
+    """Declared, it replaces the built-in profile of that name."""
+
+    def steps_so(made: Composition) -> None:
+        assert_allclose(np.diff(made.simulation.grid), 0.005, rtol=1e-12)
+
+    return Rare(
+        rod_deck(line(4), numerics=SHORT, profiles={profile: {"numerics": {"dt": 0.005}}}),
+        steps_so,
+        choices=frozenset({("profiles", profile)}),
+        profile=profile,
+    )
+
+
+def starts_at_rest(loaded: LoadedScenario, result: Result) -> None:
+    (expectation,) = loaded.scenario.expect.values()
+    outcome = result.outcome
+    measured = reduce_series(outcome.times, outcome.watched["end"], expectation.reduce)
+    assert measured == expectation.value
+    assert outcome.watched["end"][-1] != measured
+
+
+def watches(made: Composition) -> None:
+    assert set(made.simulation.watched) == {"end"}
+
+
+FIRST = Rare(
+    rod_deck(
+        line(4),
+        forces=[{"type": "gravity", "acceleration": [0.0, 0.0, -9.81]}],
+        numerics=SHORT,
+        expect={
+            "end": {
+                "probe": {"position": "rod.end", "component": "z"},
+                "reduce": "first",
+                "value": 0.0,
+                "tolerance": 0.0,
+                "source": "its rest shape",
+            }
+        },
+    ),
+    watches,
+    choices=frozenset({("reduce", "first")}),
+    steps=starts_at_rest,
+)
+
+
+def has_no_other_field(made: Composition) -> None:
+    assert made.simulation.fields == ()
+
+
+POSITIONS = Rare(
+    rod_deck(line(4), numerics=SHORT, output={"fields": ["positions"]}),
+    has_no_other_field,
+    choices=frozenset({("fields", "positions")}),
+    steps=lambda loaded, result: assert_array_equal(
+        [frame.positions.shape for frame in result.frames[:2]], [[4, 3], [4, 3]]
+    ),
+)
+
+RARE: dict[str, Rare] = {
+    **LAWS,
+    **BODIES,
+    **{name: solved_by(name) for name in ("banded", "dense", "pardiso", "superlu")},
+    "numpy": run_by("numpy", NumpyDriver),
+    "numba": run_by("numba", NumbaDriver),
+    **{f"profile {name}": under(name) for name in ("draft", "normal", "accurate")},
+    "first": FIRST,
+    "positions": POSITIONS,
+}
+
+
+# ---------------------------------------------------------------- pictures
+
+
+@dataclass(frozen=True)
+class RarePicture:
+    """What a run draws, and the file that it makes.
+
+    Attributes:
+        render: Choices, each of which no shipped scenario makes.
+        other: Choices beside them.
+        file: Name of the picture.
+    """
+
+    render: Mapping[str, str]
+    file: str
+    other: Mapping[str, Any] = field(default_factory=dict)
+
+
+PICTURES = {
+    "gif": RarePicture({"view": "yz", "video": "gif", "color_by": "velocity"}, "yz-velocity.gif"),
+    "axial force": RarePicture({"color_by": "axial_force"}, "iso-axial_force-000002.png", {"still": True}),
+    "director": RarePicture({"color_by": "director"}, "iso-director-000002.png", {"still": True}),
+}
+
+
+def picture_deck(picture: RarePicture) -> Deck:
+    """A framed rod that falls for two frames and is drawn small."""
+    render = {**picture.render, **picture.other, "size": [64, 64]}
+    return rod_deck(
+        line(4),
+        dimension=3,
+        rod={"bending": "framed"},
+        numerics=SHORT,
+        output={"every": 0.01, "fields": ["velocity", "axial_force", "director"], "render": render},
+    )
