@@ -1,4 +1,4 @@
-"""Direct solvers against order and bandwidth: the table behind the limits of solve/solvers.py."""
+"""Direct solvers against order and bandwidth: the table behind the limits of solve/linear/choice.py."""
 
 from __future__ import annotations
 

@@ -197,7 +197,7 @@ def test_no_divergence_of_becks_column(tmp_path: Path) -> None:
 
 
 def test_expectations_of_the_fluttering_scenario_are_those_of_theory() -> None:
-    """`becks_column` is run and compared in tests/test_scenarios.py."""
+    """`becks_column` is run and compared in tests/scenarios/test_rods.py."""
     expect = load(SCENARIOS / "becks_column.yaml").scenario.expect
     t = np.linspace(0.05, 2.35, 4601)
     for side, p in (("swings", 19.05), ("flutters", 21.05)):
