@@ -11,7 +11,7 @@ import contextlib
 import errno
 import os
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import IO
 
@@ -107,6 +107,22 @@ def write_fully(file: IO[bytes], data: bytes) -> None:
     rest = memoryview(data)
     while rest:
         rest = rest[file.write(rest) :]
+
+
+def size_up_to(lines: Iterable[bytes], t: float, time_of: Callable[[bytes], float]) -> int:
+    """Bytes of the whole lines, in order of time, up to a time.
+
+    Args:
+        lines: Of a file, each with its line end; the last may be cut.
+        t: The time [s].
+        time_of: The time of a whole line [s].
+    """
+    size = 0
+    for line in lines:
+        if not line.endswith(b"\n") or time_of(line) > t:
+            break
+        size += len(line)
+    return size
 
 
 def sync_folder(folder: Path) -> None:

@@ -6,7 +6,7 @@ import json
 import os
 from pathlib import Path
 
-from .durable import output_errors, write_fully
+from .durable import output_errors, size_up_to, write_fully
 from .jsonable import Json, dumps
 
 
@@ -23,7 +23,9 @@ class EventLog:
         self._path = path
         with output_errors(path, "open"):
             if resume_at is not None and path.exists():
-                os.truncate(path, _size_up_to(path, resume_at))
+                with path.open("rb") as file:
+                    size = size_up_to(file, resume_at, lambda line: float(json.loads(line)["t"]))
+                os.truncate(path, size)
             self._file = path.open("ab", buffering=0)
 
     def add(self, kind: str, t: float, **details: object) -> None:
@@ -44,16 +46,6 @@ class EventLog:
     def close(self) -> None:
         """Close the file; safe to call twice."""
         self._file.close()
-
-
-def _size_up_to(path: Path, t: float) -> int:
-    size = 0
-    with path.open("rb") as file:
-        for line in file:
-            if not line.endswith(b"\n") or float(json.loads(line)["t"]) > t:
-                break
-            size += len(line)
-    return size
 
 
 def read_events(path: Path) -> list[dict[str, Json]]:

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..arrays import FloatArray
 from ..errors import OutputError
-from .durable import output_errors, write_fully
+from .durable import output_errors, size_up_to, write_fully
 from .frame import Frame, Topology
 
 
@@ -44,7 +44,7 @@ class CsvWriter:
             self._append(header)
         else:
             with output_errors(self._path, "resume"):
-                size = _size_up_to(self._path, header, self._resume_at)
+                size = _kept(self._path, header, self._resume_at)
                 self._file = self._path.open("r+b", buffering=0)
                 self._file.truncate(size)
                 self._file.seek(size)
@@ -94,17 +94,12 @@ def _line(cells: list[str]) -> bytes:
     return text.getvalue().encode()
 
 
-def _size_up_to(path: Path, header: bytes, t: float) -> int:
+def _kept(path: Path, header: bytes, t: float) -> int:
     """Bytes of the header and of the whole rows with time up to ``t``."""
     with path.open("rb") as file:
         if file.readline() != header:
             raise OutputError(f"cannot resume {path}: its header is not '{header.decode().strip()}'")
-        size = len(header)
-        for line in file:
-            if not line.endswith(b"\n") or float(line.split(b",", 1)[0]) > t:
-                break
-            size += len(line)
-    return size
+        return len(header) + size_up_to(file, t, lambda line: float(line.split(b",", 1)[0]))
 
 
 def read_table(path: Path) -> tuple[dict[str, FloatArray], dict[str, str]]:
