@@ -61,5 +61,5 @@ def bend_isotropic(y: Any, a: Any, p: Any) -> Any:
 
 
 BEND_ISOTROPIC = Kernel(
-    bend_isotropic, dimension=3, nodes=3, vectors=((0, 1), (1, 2)), naturals=0, parameters=2
+    bend_isotropic, dimension=3, nodes=3, vectors=((0, 1), (1, 2)), constants=("EI", "voronoi")
 )

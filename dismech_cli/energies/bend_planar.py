@@ -47,4 +47,12 @@ def bend_planar(y: Any, a: Any, p: Any) -> Any:
     return 0.5 * stiffness * elastic * elastic, gradient, hessian
 
 
-BEND_PLANAR = Kernel(bend_planar, dimension=2, nodes=3, vectors=((0, 1), (1, 2)), naturals=1, parameters=3)
+BEND_PLANAR = Kernel(
+    bend_planar,
+    dimension=2,
+    nodes=3,
+    vectors=((0, 1), (1, 2)),
+    naturals=("kappa",),
+    constants=("EI", "voronoi"),
+    scales=(("EI",),),
+)

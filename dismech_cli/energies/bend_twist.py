@@ -119,7 +119,8 @@ BEND_TWIST = Kernel(
     vectors=((0, 1), (1, 2)),
     angles=2,
     auxiliaries=13,
-    naturals=3,
-    parameters=11,
+    naturals=("kappa_1", "kappa_2", "twist"),
+    constants=("EI_1", "EI_2", "GJ", "voronoi", "sign_e", "sign_f", "cos_psi", "sin_psi"),
+    scales=(("EI_1",), ("EI_2",), ("GJ",)),
     shares=("bending", "twist"),
 )

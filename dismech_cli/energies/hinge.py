@@ -9,8 +9,6 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
 from ..arrays import FloatArray, IntArray
 from ..geometry.blocks import add_symmetric, pack_three, two_sided
 from ..geometry.kernel import kernel
@@ -18,7 +16,7 @@ from ..geometry.triangle import azimuth_gradient, azimuth_hessian, dihedral_angl
 from ..geometry.vectors import combine, outer, scale, sym_outer
 from ..kernels.shape import Kernel
 from ..kinematics.dofs import DofMap
-from ..model.stencil import StencilEnergy, no_auxiliaries
+from ..model.stencil import StencilEnergy
 
 
 @kernel
@@ -51,7 +49,15 @@ def hinge(y: Any, a: Any, p: Any) -> Any:
     return 0.5 * t * elastic, gradient, hessian
 
 
-HINGE = Kernel(hinge, dimension=3, nodes=4, vectors=((0, 1), (0, 2), (0, 3)), naturals=1, parameters=2)
+HINGE = Kernel(
+    hinge,
+    dimension=3,
+    nodes=4,
+    vectors=((0, 1), (0, 2), (0, 3)),
+    naturals=("theta",),
+    constants=("k",),
+    scales=(("k",),),
+)
 
 
 def hinge_angles(nodes: FloatArray, hinges: IntArray) -> FloatArray:
@@ -81,11 +87,9 @@ def hinge_term(
     Returns:
         Energy with one stencil per hinge; its natural strain (1, H) is the dihedral angle [rad].
     """
-    count = len(hinges)
-    return StencilEnergy(
+    return StencilEnergy.of(
         name,
         HINGE,
-        dofs.of_nodes(hinges).reshape(count, -1),
-        np.stack((hinge_angles(nodes, hinges), stiffness)),
-        no_auxiliaries(count),
+        dofs.of_nodes(hinges).reshape(len(hinges), -1),
+        {"theta": hinge_angles(nodes, hinges), "k": stiffness},
     )

@@ -12,8 +12,6 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
 from ..arrays import FloatArray, IntArray
 from ..geometry.blocks import add_diagonal, add_symmetric, outer_pair, pack_two
 from ..geometry.kernel import kernel
@@ -21,7 +19,7 @@ from ..geometry.vectors import add_identity, combine, dot, scale, sym_outer
 from ..kernels.shape import Kernel
 from ..kinematics.dofs import DofMap
 from ..kinematics.strains import rest_metric
-from ..model.stencil import StencilEnergy, no_auxiliaries
+from ..model.stencil import StencilEnergy
 from ..sections.shells import plane_stress_stiffness
 
 
@@ -49,7 +47,17 @@ def membrane(y: Any, a: Any, p: Any) -> Any:
     return energy, (g[0], g[1], g[2], h[0], h[1], h[2]), hessian
 
 
-MEMBRANE = Kernel(membrane, dimension=3, nodes=3, vectors=((0, 1), (0, 2)), naturals=1, parameters=10)
+_METRIC = ("A11", "A22", "A12")
+_STIFFNESS = ("C11", "C12", "C13", "C22", "C23", "C33")
+MEMBRANE = Kernel(
+    membrane,
+    dimension=3,
+    nodes=3,
+    vectors=((0, 1), (0, 2)),
+    naturals=("growth",),
+    constants=_METRIC + _STIFFNESS,
+    scales=(_STIFFNESS,),
+)
 
 
 def membrane_term(
@@ -78,11 +86,13 @@ def membrane_term(
     """
     metric = rest_metric(nodes, triangles)
     stiffness = plane_stress_stiffness(metric, youngs_modulus, poisson_ratio, thickness)
-    count = len(triangles)
-    return StencilEnergy(
+    return StencilEnergy.of(
         name,
         MEMBRANE,
-        dofs.of_nodes(triangles).reshape(count, -1),
-        np.concatenate((np.zeros((1, count)), metric, stiffness)),
-        no_auxiliaries(count),
+        dofs.of_nodes(triangles).reshape(len(triangles), -1),
+        {
+            "growth": 0.0,
+            **dict(zip(_METRIC, metric, strict=True)),
+            **dict(zip(_STIFFNESS, stiffness, strict=True)),
+        },
     )

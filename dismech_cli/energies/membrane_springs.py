@@ -6,11 +6,9 @@ On a net of equilateral triangles springs are a plane-stress sheet with nu = 1/3
 
 from __future__ import annotations
 
-import numpy as np
-
 from ..arrays import FloatArray, IntArray
 from ..kinematics.dofs import DofMap
-from ..model.stencil import StencilEnergy, no_auxiliaries
+from ..model.stencil import StencilEnergy
 from .stretch import STRETCH
 
 
@@ -30,8 +28,9 @@ def spring_term(
     Returns:
         Energy with one stencil per edge; its natural strain (1, B) is that of the edge.
     """
-    count = len(edges)
-    parameters = np.stack((np.zeros(count), stiffness, lengths))
-    return StencilEnergy(
-        name, STRETCH, dofs.of_nodes(edges).reshape(count, -1), parameters, no_auxiliaries(count)
+    return StencilEnergy.of(
+        name,
+        STRETCH,
+        dofs.of_nodes(edges).reshape(len(edges), -1),
+        {"eps": 0.0, "EA": stiffness, "length": lengths},
     )

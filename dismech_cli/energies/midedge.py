@@ -163,6 +163,9 @@ def midedge(y: Any, x: Any, p: Any) -> Any:
     return 0.5 * (m0 * e0 + m1 * e1 + m2 * e2), gradient, hessian
 
 
+_NATURAL = ("alpha_0", "alpha_1", "alpha_2")
+_STIFFNESS = ("M00", "M01", "M02", "M11", "M12", "M22")
+_SIGNS = ("sign_0", "sign_1", "sign_2")
 MIDEDGE = Kernel(
     midedge,
     dimension=3,
@@ -170,8 +173,9 @@ MIDEDGE = Kernel(
     vectors=((0, 1), (0, 2)),
     angles=3,
     auxiliaries=21,
-    naturals=3,
-    parameters=12,
+    naturals=_NATURAL,
+    constants=_STIFFNESS + _SIGNS,
+    scales=(("M00", "M01", "M02"), ("M01", "M11", "M12"), ("M02", "M12", "M22")),
 )
 
 
@@ -233,10 +237,14 @@ def midedge_term(
     signs = face_signs.T.astype(np.float64)
     natural = edge_angles(nodes, triangles, face_edges, frames.mean_normals(nodes.reshape(-1)))
     stiffness = bending_stiffness(nodes, triangles, youngs_modulus, poisson_ratio, thickness)
-    return StencilEnergy(
+    return StencilEnergy.of(
         name,
         MIDEDGE,
         np.concatenate((dofs.of_nodes(triangles).reshape(count, -1), dofs.of_normals(face_edges)), axis=1),
-        np.concatenate((natural, stiffness, signs)),
+        {
+            **dict(zip(_NATURAL, natural, strict=True)),
+            **dict(zip(_STIFFNESS, stiffness, strict=True)),
+            **dict(zip(_SIGNS, signs, strict=True)),
+        },
         frames.edge_places(face_edges).reshape(count, -1),
     )

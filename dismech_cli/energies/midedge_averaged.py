@@ -22,7 +22,7 @@ from ..geometry.triangle import azimuth_gradient, azimuth_hessian, dihedral_angl
 from ..geometry.vectors import add, combine, cross, norm, outer, scale, sub, sym_outer
 from ..kernels.shape import Kernel
 from ..kinematics.dofs import DofMap
-from ..model.stencil import StencilEnergy, no_auxiliaries
+from ..model.stencil import StencilEnergy
 from ..sections.shells import bending_stiffness
 from .midedge import face_turning
 
@@ -117,13 +117,17 @@ def midedge_averaged(y: Any, x: Any, p: Any) -> Any:
     return energy, gradient, hessian
 
 
+_NATURAL = ("theta_0", "theta_1", "theta_2")
+_STIFFNESS = ("M00", "M01", "M02", "M11", "M12", "M22")
+_SHARES = ("share_0", "share_1", "share_2")
 MIDEDGE_AVERAGED = Kernel(
     midedge_averaged,
     dimension=3,
     nodes=6,
     vectors=((0, 1), (0, 2), (0, 3), (0, 4), (0, 5)),
-    naturals=3,
-    parameters=12,
+    naturals=_NATURAL,
+    constants=_STIFFNESS + _SHARES,
+    scales=(("M00", "M01", "M02"), ("M01", "M11", "M12"), ("M02", "M12", "M22")),
 )
 
 
@@ -173,7 +177,6 @@ def midedge_averaged_term(
         Energy with one stencil per triangle; its natural strains (3, T) are the dihedral angles
         [rad] at its sides: twice ``model.shell.angles_of_curvature``.
     """
-    count = len(triangles)
     corners = neighbour_corners(triangles, face_edges, edge_faces)
     rim = edge_faces[face_edges][:, :, 1] < 0
     x = [nodes[triangles[:, k]].T for k in range(3)]
@@ -184,10 +187,13 @@ def midedge_averaged_term(
     stiffness = bending_stiffness(nodes, triangles, youngs_modulus, poisson_ratio, thickness)
     shares = np.where(rim, 0.0, 0.5).T
     stencils = np.concatenate((triangles, corners), axis=1)
-    return StencilEnergy(
+    return StencilEnergy.of(
         name,
         MIDEDGE_AVERAGED,
-        dofs.of_nodes(stencils).reshape(count, -1),
-        np.concatenate((np.stack(natural), stiffness, shares)),
-        no_auxiliaries(count),
+        dofs.of_nodes(stencils).reshape(len(triangles), -1),
+        {
+            **dict(zip(_NATURAL, natural, strict=True)),
+            **dict(zip(_STIFFNESS, stiffness, strict=True)),
+            **dict(zip(_SHARES, shares, strict=True)),
+        },
     )

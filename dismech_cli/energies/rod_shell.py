@@ -21,6 +21,7 @@ inputs: m1, m2 of the rod's edge.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -148,6 +149,9 @@ def rod_beside_face(y: Any, a: Any, p: Any) -> Any:
     return rod_on_face(y, a, p)
 
 
+_STIFFNESS = ("K_0", "K_1", "K_2")
+_ACROSS = ("alpha", "beta_u", "beta_v")
+_COSINES = tuple(f"{mine}_{rest}" for mine in ("t", "m1", "m2") for rest in ("along", "across", "normal"))
 ROD_ON_FACE = Kernel(
     rod_on_face,
     dimension=3,
@@ -155,19 +159,9 @@ ROD_ON_FACE = Kernel(
     vectors=((0, 1), (1, 2), (1, 3)),
     angles=1,
     auxiliaries=6,
-    naturals=0,
-    parameters=16,
+    constants=(*_STIFFNESS, *_ACROSS, *_COSINES, "sign"),
 )
-ROD_BESIDE_FACE = Kernel(
-    rod_beside_face,
-    dimension=3,
-    nodes=5,
-    vectors=((0, 1), (2, 3), (2, 4)),
-    angles=1,
-    auxiliaries=6,
-    naturals=0,
-    parameters=16,
-)
+ROD_BESIDE_FACE = replace(ROD_ON_FACE, function=rod_beside_face, nodes=5, vectors=((0, 1), (2, 3), (2, 4)))
 
 
 def rod_shell_terms(
@@ -209,7 +203,12 @@ def rod_shell_terms(
     tangent = tangent / np.linalg.norm(tangent, axis=1)[:, None]
     frame = np.stack((tangent, directors[0], signs[:, None] * directors[1]), axis=1)
     cosines = np.einsum("sic,sjc->ijs", frame, rest).reshape(9, -1)
-    parameters = np.concatenate((stiffness, across, cosines, signs[None]))
+    parameters = {
+        **dict(zip(_STIFFNESS, stiffness, strict=True)),
+        **dict(zip(_ACROSS, across, strict=True)),
+        **dict(zip(_COSINES, cosines, strict=True)),
+        "sign": signs,
+    }
     terms = []
     at_joint = ends.any(axis=1)
     for label, energy, mine, nodes in (
@@ -218,5 +217,6 @@ def rod_shell_terms(
     ):
         if mine.any():
             stencil = np.column_stack((dofs.of_nodes(nodes[mine]).reshape(mine.sum(), -1), angles[mine]))
-            terms.append(StencilEnergy(label, energy, stencil, parameters[:, mine], places[mine]))
+            values = {key: value[mine] for key, value in parameters.items()}
+            terms.append(StencilEnergy.of(label, energy, stencil, values, places[mine]))
     return tuple(terms)

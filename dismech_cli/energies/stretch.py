@@ -5,6 +5,7 @@ Parameters per stencil, after the natural strain eps0 [1]: EA [N], rest length l
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -48,5 +49,13 @@ def stretch_planar(y: Any, a: Any, p: Any) -> Any:
     )
 
 
-STRETCH = Kernel(stretch, dimension=3, nodes=2, vectors=((0, 1),), naturals=1, parameters=3)
-STRETCH_PLANAR = Kernel(stretch_planar, dimension=2, nodes=2, vectors=((0, 1),), naturals=1, parameters=3)
+STRETCH = Kernel(
+    stretch,
+    dimension=3,
+    nodes=2,
+    vectors=((0, 1),),
+    naturals=("eps",),
+    constants=("EA", "length"),
+    scales=(("EA",),),
+)
+STRETCH_PLANAR = replace(STRETCH, function=stretch_planar, dimension=2)

@@ -64,7 +64,7 @@ def aerodynamic(y: Any, u: Any, p: Any) -> Any:
 
 
 AERODYNAMIC = DragKernel(
-    aerodynamic, dimension=3, nodes=3, vectors=((0, 1), (0, 2)), loaded=(0, 1, 2), parameters=1
+    aerodynamic, dimension=3, nodes=3, vectors=((0, 1), (0, 2)), loaded=(0, 1, 2), constants=("drag",)
 )
 
 
@@ -87,7 +87,9 @@ def aerodynamic_drag(
         fluid_density: rho [kg/m^3].
         coefficient: Drag coefficient c [1].
     """
-    parameters = (fluid_density * coefficient / 6.0) * areas[None, :]
-    return DragForce(
-        name, AERODYNAMIC, dofs.of_nodes(triangles).reshape(len(triangles), -1), np.array(parameters)
+    return DragForce.of(
+        name,
+        AERODYNAMIC,
+        dofs.of_nodes(triangles).reshape(len(triangles), -1),
+        {"drag": (fluid_density * coefficient / 6.0) * areas},
     )

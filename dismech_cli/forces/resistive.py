@@ -6,6 +6,7 @@ neighbours. Parameters per stencil: weight length l [m], c_t, c_n [N s/m^2].
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -63,10 +64,15 @@ def resistive_planar(y: Any, u: Any, p: Any) -> Any:
     )
 
 
-RESISTIVE = DragKernel(resistive, dimension=3, nodes=3, vectors=((0, 2),), loaded=(1,), parameters=3)
-RESISTIVE_PLANAR = DragKernel(
-    resistive_planar, dimension=2, nodes=3, vectors=((0, 2),), loaded=(1,), parameters=3
+RESISTIVE = DragKernel(
+    resistive,
+    dimension=3,
+    nodes=3,
+    vectors=((0, 2),),
+    loaded=(1,),
+    constants=("length", "tangential", "normal"),
 )
+RESISTIVE_PLANAR = replace(RESISTIVE, function=resistive_planar, dimension=2)
 
 
 def resistive_force(
@@ -99,5 +105,9 @@ def resistive_force(
     nodes = np.concatenate((chords, sides))
     weights = np.concatenate((halves[first] + halves[second], halves[single]))
     kernels = {3: RESISTIVE, 2: RESISTIVE_PLANAR}
-    parameters = np.stack((weights, np.full(len(nodes), tangential), np.full(len(nodes), normal)))
-    return DragForce(name, kernels[dofs.dimension], dofs.of_nodes(nodes).reshape(len(nodes), -1), parameters)
+    return DragForce.of(
+        name,
+        kernels[dofs.dimension],
+        dofs.of_nodes(nodes).reshape(len(nodes), -1),
+        {"length": weights, "tangential": tangential, "normal": normal},
+    )

@@ -81,7 +81,7 @@ def stencil_source(kernel: Kernel) -> str:
     return _header(kernel.function) + _STENCIL.format(
         y=_tuple(y),
         a=_tuple([f"auxiliary[places[s, {k}]]" for k in range(kernel.auxiliaries)]),
-        p=_parameters(kernel.parameters),
+        p=_parameters(len(kernel.parameters)),
         energy=", ".join(f"out[{k}, s]" for k in range(kernel.energies)),
         gradient=_sums("r[dofs[s, {}]]", "g", dof, reduced, sign),
         hessian=_sums("values[slots[s, {}]]", "h", pair, packed, factor),
@@ -96,7 +96,7 @@ def drag_source(kernel: DragKernel) -> str:
     return _header(kernel.function) + _DRAG.format(
         y=_tuple(_differences(kernel.vectors, kernel.dimension)),
         u=_tuple([f"v[dofs[s, {d}]]" for d in loaded]),
-        p=_parameters(kernel.parameters),
+        p=_parameters(len(kernel.parameters)),
         force=_sums("r[dofs[s, {}]]", "f", loaded, np.arange(len(loaded)), np.ones(len(loaded))),
         stiffness=_sums("stiffness[k_slots[s, {}]]", "k", np.arange(len(index)), index, sign),
         damping=_sums("damping[c_slots[s, {}]]", "c", np.arange(len(ones)), np.arange(len(ones)), ones),

@@ -5,11 +5,13 @@ angles. Because node positions enter through differences, gradient and Hessian w
 follow from constant +-1 patterns, tabulated here once per kernel. A drag kernel sees edge vectors,
 velocities of some nodes of the stencil and constants, and returns its residual share on those same
 nodes with both tangents.
+
+Kernels name their parameters: only they know in which row of p a name stands.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -17,6 +19,50 @@ from typing import Any
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
+
+
+@dataclass(frozen=True, slots=True)
+class Parameters:
+    """Names of what a kernel reads for each stencil, in the order in which it reads them.
+
+    Attributes:
+        names: Unique names.
+    """
+
+    names: tuple[str, ...]
+
+    def __post_init__(self) -> None:
+        if len(set(self.names)) != len(self.names):
+            raise ValueError(f"parameters named twice: {', '.join(self.names)}")
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+    def row(self, name: str) -> int:
+        """Row of a parameter in p.
+
+        Raises:
+            KeyError: The kernel has none of that name.
+        """
+        if name not in self.names:
+            raise KeyError(f"no parameter {name}: the kernel has {', '.join(self.names)}")
+        return self.names.index(name)
+
+    def stack(self, values: Mapping[str, FloatArray | float], stencils: int) -> FloatArray:
+        """All parameters, shape (P, S), from one number or S of them for each name.
+
+        Raises:
+            KeyError: A name is missing, or is none of the kernel's.
+        """
+        for name in values:
+            self.row(name)
+        missing = [name for name in self.names if name not in values]
+        if missing:
+            raise KeyError(f"no value for {', '.join(missing)}")
+        out = np.empty((len(self.names), stencils))
+        for row, name in zip(out, self.names, strict=True):
+            row[:] = values[name]
+        return out
 
 
 @dataclass(frozen=True)
@@ -30,8 +76,10 @@ class Kernel:
         vectors: Edge vectors as (tail, head) local nodes; y starts with their components.
         angles: Angles per stencil; they end y.
         auxiliaries: Inputs a taken from the trial frames.
-        naturals: Leading parameters that are natural strains.
-        parameters: Length of p, natural strains included.
+        naturals: Names of the natural strains, with which p starts.
+        constants: Names of the stiffnesses and measures that end p.
+        scales: For each natural strain, the stiffnesses that weigh it: where all of them vanish,
+            the natural strain changes nothing.
         shares: Names of the parts that the energy comes in, a tuple then; empty where it is one number.
     """
 
@@ -39,11 +87,24 @@ class Kernel:
     dimension: int
     nodes: int
     vectors: tuple[tuple[int, int], ...]
-    parameters: int
-    naturals: int
+    constants: tuple[str, ...]
+    naturals: tuple[str, ...] = ()
+    scales: tuple[tuple[str, ...], ...] = ()
     angles: int = 0
     auxiliaries: int = 0
     shares: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        if len(self.scales) != len(self.naturals):
+            raise ValueError("every natural strain has its stiffnesses")
+        for name in (name for scale in self.scales for name in scale):
+            if name not in self.constants:
+                raise ValueError(f"{name} scales a natural strain and is not among the constants")
+
+    @cached_property
+    def parameters(self) -> Parameters:
+        """Names of p: natural strains, then constants."""
+        return Parameters(self.naturals + self.constants)
 
     @property
     def reduced(self) -> int:
@@ -114,7 +175,7 @@ class DragKernel:
         nodes: Nodes per stencil.
         vectors: Edge vectors as (tail, head) local nodes.
         loaded: Local nodes whose velocities enter and that receive the force.
-        parameters: Length of p.
+        constants: Names of p.
     """
 
     function: Callable[[Any, Any, Any], Any]
@@ -122,7 +183,12 @@ class DragKernel:
     nodes: int
     vectors: tuple[tuple[int, int], ...]
     loaded: tuple[int, ...]
-    parameters: int
+    constants: tuple[str, ...]
+
+    @cached_property
+    def parameters(self) -> Parameters:
+        """Names of p."""
+        return Parameters(self.constants)
 
     @property
     def reduced(self) -> int:

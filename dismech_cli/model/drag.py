@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -20,7 +21,7 @@ class DragForce:
         name: Unique name.
         kernel: The force.
         dofs: Global DOFs of each stencil, shape (S, D).
-        parameters: Constants, shape (P, S).
+        parameters: Constants in the order of the kernel, shape (P, S).
     """
 
     name: str
@@ -28,6 +29,22 @@ class DragForce:
     dofs: IntArray
     parameters: FloatArray
     velocity_dependent: ClassVar[bool] = True
+
+    @classmethod
+    def of(
+        cls, name: str, kernel: DragKernel, dofs: IntArray, parameters: Mapping[str, FloatArray | float]
+    ) -> DragForce:
+        """Build from constants by name, each one number or one per stencil.
+
+        Raises:
+            KeyError: A constant of the kernel is missing, or a name is none of its constants.
+        """
+        return cls(name, kernel, dofs, kernel.parameters.stack(parameters, len(dofs)))
+
+    def parameter(self, name: str) -> FloatArray:
+        """A constant by name, shape (S,); a view."""
+        row: FloatArray = self.parameters[self.kernel.parameters.row(name)]
+        return row
 
     @property
     def couplings(self) -> tuple[Coupling, ...]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
@@ -22,7 +23,7 @@ class StencilEnergy:
         name: Unique name.
         kernel: The energy.
         dofs: Global DOFs of each stencil, nodes first, angles last, shape (S, D).
-        parameters: Constants of each stencil, natural strains first, shape (P, S).
+        parameters: Natural strains and constants in the order of the kernel, shape (P, S).
         auxiliaries: Indices into the auxiliary array of the trial frames, shape (S, A).
     """
 
@@ -32,6 +33,43 @@ class StencilEnergy:
     parameters: FloatArray
     auxiliaries: IntArray
     velocity_dependent: ClassVar[bool] = False
+
+    @classmethod
+    def of(
+        cls,
+        name: str,
+        kernel: Kernel,
+        dofs: IntArray,
+        parameters: Mapping[str, FloatArray | float],
+        auxiliaries: IntArray | None = None,
+    ) -> StencilEnergy:
+        """Build from parameters by name, each one number or one per stencil.
+
+        Args:
+            name: Unique name.
+            kernel: The energy.
+            dofs: Global DOFs of each stencil, nodes first, angles last, shape (S, D).
+            parameters: A value for each name of the kernel: numbers or arrays (S,).
+            auxiliaries: Indices into the auxiliary array of the trial frames, shape (S, A); none
+                where the kernel takes none.
+
+        Raises:
+            KeyError: A parameter of the kernel is missing, or a name is none of its parameters.
+        """
+        places = np.empty((len(dofs), 0), dtype=np.int64) if auxiliaries is None else auxiliaries
+        return cls(name, kernel, dofs, kernel.parameters.stack(parameters, len(dofs)), places)
+
+    def parameter(self, name: str) -> FloatArray:
+        """A natural strain or a constant by name, shape (S,); a view."""
+        row: FloatArray = self.parameters[self.kernel.parameters.row(name)]
+        return row
+
+    def having(self, parameters: Mapping[str, FloatArray | float]) -> StencilEnergy:
+        """The same energy with other values of some parameters, by name."""
+        changed = self.parameters.copy()
+        for name, value in parameters.items():
+            changed[self.kernel.parameters.row(name)] = value
+        return replace(self, parameters=changed)
 
     @property
     def couplings(self) -> tuple[Coupling, ...]:
@@ -46,7 +84,7 @@ class StencilEnergy:
     @property
     def natural(self) -> FloatArray:
         """Natural strains, shape (naturals, S); a view."""
-        return self.parameters[: self.kernel.naturals]
+        return self.parameters[: len(self.kernel.naturals)]
 
     def touching(self, dofs: BoolArray) -> StencilEnergy:
         """The stencils that hold any of some DOFs, given as a mask (n,)."""
@@ -61,7 +99,7 @@ class StencilEnergy:
     def bind(self, pattern: Pattern, driver: Driver) -> BoundStencil:
         """Make the gather-evaluate-scatter loop."""
         loop = driver.stencil(self.kernel, self.dofs, self.auxiliaries, pattern)
-        return BoundStencil(self.name, self.shares, self.kernel.naturals, loop, self.parameters)
+        return BoundStencil(self.name, self.shares, len(self.kernel.naturals), loop, self.parameters)
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,8 +133,3 @@ class BoundStencil:
         parameters = self.parameters.copy()
         parameters[: self.naturals] = natural
         return replace(self, parameters=parameters)
-
-
-def no_auxiliaries(stencils: int) -> IntArray:
-    """Auxiliary indices of a kernel that takes none."""
-    return np.empty((stencils, 0), dtype=np.int64)

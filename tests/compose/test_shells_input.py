@@ -71,7 +71,7 @@ def test_weighted_hinges_follow_their_shape(made: Any, pattern: str) -> None:
         for hinges in ("equal", "weighted")
     ]
     equal, weighted = (
-        next(t for t in scene.simulation.model.terms if t.name == "sheet.bending").parameters[1]
+        next(t for t in scene.simulation.model.terms if t.name == "sheet.bending").parameter("k")
         for scene in scenes
     )
     geometry = scenes[0].geometry

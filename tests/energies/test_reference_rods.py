@@ -28,7 +28,7 @@ from dismech_cli.kinematics.rod_frames import FrameState, NoFrames, TrialFrames
 from dismech_cli.laws.laws import Ramp
 from dismech_cli.model.configuration import Configuration
 from dismech_cli.model.model import Model
-from dismech_cli.model.stencil import StencilEnergy, no_auxiliaries
+from dismech_cli.model.stencil import StencilEnergy
 from dismech_cli.sections.rods import rectangular_section, rod_properties
 from dismech_cli.solve.integrators import Static
 from dismech_cli.solve.newton import NewtonSettings
@@ -95,12 +95,11 @@ def test_stretch_of_the_parachute() -> None:
     lengths = np.linalg.norm(nodes[springs[:, 1]] - nodes[springs[:, 0]], axis=1)
     stiffness = 0.5 * np.sqrt(3.0) * 1e9 * 1e-3 * lengths
     stiffness[:rods] = np.pi * 1e-6 * 1e7
-    term = StencilEnergy(
+    term = StencilEnergy.of(
         "stretch",
         STRETCH,
         dofs.of_nodes(springs).reshape(count, 6),
-        np.stack((np.zeros(count), stiffness, lengths)),
-        no_auxiliaries(count),
+        {"eps": 0.0, "EA": stiffness, "length": lengths},
     )
     model = Model(dofs, data["q"], np.zeros(dofs.n), (term,), (), NoFrames(), NUMPY, 1.0)
     c = configuration(model, data["q"], np.zeros(dofs.n), model.frames.rest(data["q"]))

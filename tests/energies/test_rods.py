@@ -100,9 +100,7 @@ def test_random_framed_states_have_reference_twist() -> None:
 
 def _stressed(term: StencilEnergy) -> StencilEnergy:
     """The energy with natural strains off by 0.3, so that no Hessian term is multiplied by zero."""
-    parameters = term.parameters.copy()
-    parameters[: term.kernel.naturals] += 0.3
-    return replace(term, parameters=parameters)
+    return term.having({name: term.parameter(name) + 0.3 for name in term.kernel.naturals})
 
 
 @pytest.mark.parametrize("part", [only_bending, only_twist], ids=["bending", "twist"])
@@ -228,12 +226,13 @@ def test_curvature_signs_of_the_framed_rod() -> None:
     """A rod along +x has m1 = +z, m2 = -y: a bend towards z is curvature 1, one towards -y curvature 2."""
     x = np.array([[0.0, 0, 0], [1.0, 0, 0], [2.0, 0, 0]])
     model = framed_rod(x, chain(3), UNEQUAL)
-    for direction, stiffness, natural in (([0, 0, 1.0], 0.7, 0), ([0, -1.0, 0], 1.9, 1)):
+    for direction, stiffness, natural in (
+        ([0, 0, 1.0], 0.7, "kappa_1"),
+        ([0, -1.0, 0], 1.9, "kappa_2"),
+    ):
         q = model.rest.copy()
         q[6:9] = np.add([1.0, 0.0, 0.0], direction)
-        term = energy_of(model, "bend_twist")
-        parameters = term.parameters.copy()
-        parameters[natural] = 0.5
+        term = energy_of(model, "bend_twist").having({natural: 0.5})
         c = configuration(model, q, np.zeros_like(q), model.frames.rest(model.rest))
-        energy = Probe.of(replace(term, parameters=parameters), model, NUMPY).energy(c)
+        energy = Probe.of(term, model, NUMPY).energy(c)
         assert_allclose(energy, 0.5 * stiffness * (2.0 * np.tan(np.pi / 4) - 0.5) ** 2, rtol=1e-14)

@@ -20,7 +20,6 @@ from dismech_cli.forces.resistive import resistive_force
 from dismech_cli.forces.viscous import ViscousDamping
 from dismech_cli.kernels.driver import Driver
 from dismech_cli.kernels.numpy_driver import NumpyDriver
-from dismech_cli.kernels.shape import Kernel
 from dismech_cli.kinematics.directors import space_parallel
 from dismech_cli.kinematics.dofs import DofMap
 from dismech_cli.kinematics.motion import Motion
@@ -29,7 +28,7 @@ from dismech_cli.laws.laws import Constant, Law
 from dismech_cli.mesh.topology.rods import rod_stencils
 from dismech_cli.model.configuration import Configuration
 from dismech_cli.model.model import Model
-from dismech_cli.model.stencil import StencilEnergy, no_auxiliaries
+from dismech_cli.model.stencil import StencilEnergy
 from dismech_cli.model.term import Term
 from dismech_cli.sections.mass import rod_mass
 from dismech_cli.sections.rods import RodProperties, rod_properties, round_section
@@ -119,14 +118,6 @@ def _lengths(nodes: FloatArray, edges: IntArray) -> FloatArray:
     return np.linalg.norm(nodes[edges[:, 1]] - nodes[edges[:, 0]], axis=1)
 
 
-def _constants(*rows: FloatArray | float, count: int) -> FloatArray:
-    return np.stack([np.broadcast_to(row, (count,)) for row in rows]).astype(np.float64)
-
-
-def _energy(name: str, kernel: Kernel, dofs: IntArray, parameters: FloatArray) -> StencilEnergy:
-    return StencilEnergy(name, kernel, dofs, parameters, no_auxiliaries(len(dofs)))
-
-
 def _assemble(
     dofs: DofMap,
     nodes: FloatArray,
@@ -164,17 +155,17 @@ def planar_rod(
         flat[triples[:, 1]] - flat[triples[:, 0]], flat[triples[:, 2]] - flat[triples[:, 1]]
     )
     terms: tuple[Term, ...] = (
-        _energy(
+        StencilEnergy.of(
             "stretch",
             STRETCH_PLANAR,
             dofs.of_nodes(edges).reshape(len(edges), -1),
-            _constants(0.0, rod.axial, lengths, count=len(edges)),
+            {"eps": 0.0, "EA": rod.axial, "length": lengths},
         ),
-        _energy(
+        StencilEnergy.of(
             "bend",
             BEND_PLANAR,
             dofs.of_nodes(triples).reshape(len(triples), 3 * dofs.dimension),
-            _constants(curvature, rod.bending_1, voronoi, count=len(triples)),
+            {"kappa": curvature, "EI": rod.bending_1, "voronoi": voronoi},
         ),
     )
     return _assemble(dofs, nodes, edges, rod, terms, NoFrames(), driver)
@@ -188,17 +179,17 @@ def isotropic_rod(
     lengths = _lengths(nodes, edges)
     triples, pairs, _ = rod_stencils(len(nodes), edges)
     terms: tuple[Term, ...] = (
-        _energy(
+        StencilEnergy.of(
             "stretch",
             STRETCH,
             dofs.of_nodes(edges).reshape(len(edges), -1),
-            _constants(0.0, rod.axial, lengths, count=len(edges)),
+            {"eps": 0.0, "EA": rod.axial, "length": lengths},
         ),
-        _energy(
+        StencilEnergy.of(
             "bend",
             BEND_ISOTROPIC,
             dofs.of_nodes(triples).reshape(len(triples), 3 * dofs.dimension),
-            _constants(rod.bending_1, lengths[pairs].mean(axis=1), count=len(triples)),
+            {"EI": rod.bending_1, "voronoi": lengths[pairs].mean(axis=1)},
         ),
     )
     return _assemble(dofs, nodes, edges, rod, terms, NoFrames(), driver)
@@ -237,30 +228,29 @@ def framed_rod(
     voronoi = lengths[pairs].mean(axis=1)
     joint_dofs = np.concatenate((dofs.of_nodes(triples).reshape(count, 9), dofs.of_angles(pairs)), axis=1)
     terms: tuple[Term, ...] = (
-        _energy(
+        StencilEnergy.of(
             "stretch",
             STRETCH,
             dofs.of_nodes(edges).reshape(n_edges, -1),
-            _constants(0.0, rod.axial, lengths, count=n_edges),
+            {"eps": 0.0, "EA": rod.axial, "length": lengths},
         ),
-        StencilEnergy(
+        StencilEnergy.of(
             "bend_twist",
             BEND_TWIST,
             joint_dofs,
-            _constants(
-                kappa[0],
-                kappa[1],
-                stored.reference_twist,
-                rod.bending_1,
-                rod.bending_2,
-                rod.torsional,
-                voronoi,
-                signs[:, 0],
-                signs[:, 1],
-                1.0,
-                0.0,
-                count=count,
-            ),
+            {
+                "kappa_1": kappa[0],
+                "kappa_2": kappa[1],
+                "twist": stored.reference_twist,
+                "EI_1": rod.bending_1,
+                "EI_2": rod.bending_2,
+                "GJ": rod.torsional,
+                "voronoi": voronoi,
+                "sign_e": signs[:, 0],
+                "sign_f": signs[:, 1],
+                "cos_psi": 1.0,
+                "sin_psi": 0.0,
+            },
             np.column_stack((places.reshape(count, 12), frames.twist_places(np.arange(count)))),
         ),
     )
@@ -283,19 +273,12 @@ def material_curvatures(triples: FloatArray, m1: FloatArray, m2: FloatArray) -> 
 
 def only_bending(term: StencilEnergy) -> StencilEnergy:
     """A framed joint without resistance to twist."""
-    return _without(term, [5])
+    return term.having({"GJ": 0.0})
 
 
 def only_twist(term: StencilEnergy) -> StencilEnergy:
     """A framed joint without resistance to bending."""
-    return _without(term, [3, 4])
-
-
-def _without(term: StencilEnergy, rows: list[int]) -> StencilEnergy:
-    assert term.kernel is BEND_TWIST
-    parameters = term.parameters.copy()
-    parameters[rows] = 0.0
-    return replace(term, parameters=parameters)
+    return term.having({"EI_1": 0.0, "EI_2": 0.0})
 
 
 MODELS: dict[str, Callable[..., Model]] = {

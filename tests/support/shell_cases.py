@@ -60,9 +60,7 @@ class Shell:
     def with_naturals(self, name: str, natural: FloatArray) -> Shell:
         """The same shell with other natural strains of one energy."""
         old = self.term(name)
-        parameters = old.parameters.copy()
-        parameters[: old.kernel.naturals] = natural
-        new = replace(old, parameters=parameters)
+        new = old.having(dict(zip(old.kernel.naturals, natural, strict=True)))
         terms = tuple(new if t is old else t for t in self.model.terms)
         return replace(self, model=replace(self.model, terms=terms))
 

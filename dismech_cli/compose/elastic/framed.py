@@ -45,22 +45,23 @@ def framed_bending(
                 row[members] = density * j.voronoi[members]
     stencil = np.concatenate((node_dofs(dofs, j.triples), dofs.of_angles(j.pairs)), axis=1)
     torsional = in_series(scene.geometry, skeleton, "torsional")
-    energy = StencilEnergy(
+    energy = StencilEnergy.of(
         "bending and twist",
         BEND_TWIST,
         stencil,
-        np.stack(
-            (
-                *curvature,
-                torsion,
-                *stiffness,
-                torsional,
-                j.voronoi,
-                *j.signs.T,
-                np.cos(rest_twist),
-                np.sin(rest_twist),
-            )
-        ),
+        {
+            "kappa_1": curvature[0],
+            "kappa_2": curvature[1],
+            "twist": torsion,
+            "EI_1": stiffness[0],
+            "EI_2": stiffness[1],
+            "GJ": torsional,
+            "voronoi": j.voronoi,
+            "sign_e": j.signs[:, 0],
+            "sign_f": j.signs[:, 1],
+            "cos_psi": np.cos(rest_twist),
+            "sin_psi": np.sin(rest_twist),
+        },
         np.column_stack((places, frames.twist_places(np.arange(len(j.pairs))))),
     )
     return energy, places

@@ -7,7 +7,7 @@ import numpy as np
 from ...arrays import FloatArray, IntArray
 from ...energies.bend_planar import BEND_PLANAR
 from ...kinematics.strains import planar_curvature
-from ...model.stencil import StencilEnergy, no_auxiliaries
+from ...model.stencil import StencilEnergy
 from ..scene import Scene
 from ..structure.frames import given_directors, rest_directors
 from ..structure.structure import Structure
@@ -81,7 +81,9 @@ def planar_bending(
                 ("geometry", geometry.rod_keys[index], "natural", hidden),
                 "bends out of the plane of the scene",
             )
-    parameters = np.stack((natural, stiffness[which, np.arange(len(which))], joints.voronoi))
-    return StencilEnergy(
-        "bending", BEND_PLANAR, node_dofs(dofs, joints.triples), parameters, no_auxiliaries(len(natural))
+    return StencilEnergy.of(
+        "bending",
+        BEND_PLANAR,
+        node_dofs(dofs, joints.triples),
+        {"kappa": natural, "EI": stiffness[which, np.arange(len(which))], "voronoi": joints.voronoi},
     )

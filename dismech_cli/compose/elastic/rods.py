@@ -9,7 +9,7 @@ import numpy as np
 from ...arrays import FloatArray, IntArray
 from ...energies.bend_isotropic import BEND_ISOTROPIC
 from ...energies.stretch import STRETCH, STRETCH_PLANAR
-from ...model.stencil import StencilEnergy, no_auxiliaries
+from ...model.stencil import StencilEnergy
 from ..bodies.geometry import Geometry
 from ..scene import Scene
 from ..structure.plan import Bending
@@ -88,21 +88,19 @@ def _stretch(geometry: Geometry, structure: Structure) -> StencilEnergy:
             natural[geometry.rod_edges[rod.name]] = rod.natural.stretch
     rest = structure.skeleton.rest_lengths[: len(edges)]
     kernel = STRETCH_PLANAR if structure.dofs.dimension == 2 else STRETCH
-    return StencilEnergy(
+    return StencilEnergy.of(
         "stretch",
         kernel,
         node_dofs(structure.dofs, edges),
-        np.stack((natural, geometry.per_edge("axial"), rest)),
-        no_auxiliaries(len(edges)),
+        {"eps": natural, "EA": geometry.per_edge("axial"), "length": rest},
     )
 
 
 def _isotropic(structure: Structure, stiffness: FloatArray) -> StencilEnergy:
     joints = structure.skeleton.joints
-    return StencilEnergy(
+    return StencilEnergy.of(
         "bending",
         BEND_ISOTROPIC,
         node_dofs(structure.dofs, joints.triples),
-        np.stack((stiffness[0], joints.voronoi)),
-        no_auxiliaries(len(joints.triples)),
+        {"EI": stiffness[0], "voronoi": joints.voronoi},
     )

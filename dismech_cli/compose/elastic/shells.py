@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from ...model.stencil import StencilEnergy
 from ..shells.bending import bending_of
@@ -37,6 +37,4 @@ def shell_energies(structure: Structure) -> ShellEnergies:
 
 def _flattened(energy: StencilEnergy) -> StencilEnergy:
     """The same energy, unbent where all its angles vanish."""
-    parameters = energy.parameters.copy()
-    parameters[: energy.kernel.naturals] = 0.0
-    return replace(energy, parameters=parameters)
+    return energy.having({name: 0.0 for name in energy.kernel.naturals})

@@ -103,7 +103,7 @@ def _axial_strain(scene: Scene, structure: Structure, rods: RodEnergies) -> Fiel
 
 def _axial_force(scene: Scene, structure: Structure, rods: RodEnergies) -> Field:
     assert rods.stretch is not None
-    _, stiffness, rest = rods.stretch.parameters
+    rest, stiffness = rods.stretch.parameter("length"), rods.stretch.parameter("EA")
     return AxialForceField(scene.geometry.edges, rest, stiffness, rods.stretch.name)
 
 
@@ -118,18 +118,16 @@ def _curvatures(structure: Structure, rods: RodEnergies) -> Curvatures:
     if bending is None:
         return NoCurvatures()
     if structure.plan.bending is Bending.FRAMED:
-        *_, cosine, sine = bending.parameters
         return MaterialCurvatures(
             triples,
             rods.bending_stiffness,
             bending.name,
             rods.directors,
             structure.skeleton.joints.signs,
-            np.arctan2(sine, cosine),
+            np.arctan2(bending.parameter("sin_psi"), bending.parameter("cos_psi")),
         )
     normal = np.array(PLANAR_AXIS[structure.plan.axes]) if structure.plan.bending is Bending.PLANAR else None
-    *_, stiffness, _ = bending.parameters
-    return BinormalCurvatures(triples, stiffness, bending.name, normal)
+    return BinormalCurvatures(triples, bending.parameter("EI"), bending.name, normal)
 
 
 def _director(scene: Scene, structure: Structure, rods: RodEnergies) -> Field:
