@@ -9,7 +9,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from ..compose.structure.plan import Plan
-from ..kernels.numba_driver import cache_folder, is_compiled
+from ..kernels.cache import cache_folder, is_compiled
 from ..output.jsonable import dumps
 from ..run.progress import Reporter, Silent, make_reporter
 from ..session.conduct import Report

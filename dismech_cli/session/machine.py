@@ -8,7 +8,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from ..errors import RenderError
-from ..kernels.numba_driver import cache_folder
+from ..kernels.cache import cache_folder
 from ..output.manifest import installed_versions, platform_facts, thread_settings
 from ..render.encode import require_encoder
 from ..render.probe import find_renderer

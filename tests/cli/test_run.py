@@ -243,7 +243,7 @@ def test_compilation_is_announced_once(call, swing, monkeypatch, tmp_path):
     from dismech_cli.cli.console import Console
     from dismech_cli.cli.presenting import Presenting
     from dismech_cli.compose.structure.plan import Decision
-    from dismech_cli.kernels.numba_driver import cache_folder
+    from dismech_cli.kernels.cache import cache_folder
 
     plan = SimpleNamespace(kernels="numba", decisions=(Decision("kernels by numba", "asked for"),))
     lines: list[str] = []

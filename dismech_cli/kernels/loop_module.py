@@ -1,0 +1,120 @@
+"""Modules of compiled loops: written, imported, and made anew where the cache turns out broken."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import platform
+import sys
+import warnings
+from collections.abc import Callable
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+from ..geometry.kernel import marked_kernels
+from .cache import cache_folder, temporary_folder
+from .fingerprint import fingerprint
+
+# Reassociation and contraction only: never nnan or ninf, which delete checks for NaN. Kernels are
+# inlined into their loops, so that a loop that wants the residual alone computes nothing else.
+_FASTMATH = ("nsz", "arcp", "contract", "afn", "reassoc")
+_KERNEL_OPTIONS: Any = {"fastmath": set(_FASTMATH), "forceinline": True}
+
+_REGISTERED: set[Callable[..., Any]] = set()
+
+
+class LoopModule:
+    """The loops of one kernel in one shape.
+
+    Numba looks into its cache when a loop is first called with some types of arguments, so a file that
+    a full disk cut short, or that cannot be read, shows only there, before the loop has done anything.
+    Such files are removed and the loops compiled again; if that fails too, in a temporary folder.
+    """
+
+    def __init__(self, function: Callable[..., Any], kind: str, text: str) -> None:
+        self._name, self._text = _module_name(function, kind, text), text
+        self._repairs = [self._compiled_again, self._elsewhere]
+        try:
+            self._module = _imported(self._name, text, cache_folder())
+        except (OSError, RuntimeError) as error:  # Numba has a RuntimeError for what it cannot write to
+            self._warn(error)
+            self._module = self._elsewhere()
+
+    def run(self, loop: str, *arguments: Any) -> None:
+        """Call a loop by its name."""
+        while True:
+            try:
+                getattr(self._module, loop)(*arguments)
+                return
+            except Exception as error:
+                if not self._repairs or _is_mistake(error):
+                    raise
+                self._warn(error)
+                self._module = self._repairs.pop(0)()
+
+    def _warn(self, error: Exception) -> None:
+        reason = f"{type(error).__name__}: {error}"
+        warnings.warn(f"the cache of compiled kernels failed for {self._name} ({reason})", stacklevel=3)
+
+    def _compiled_again(self) -> ModuleType:
+        try:
+            for path in cache_folder().rglob(f"{self._name}.*.nb[ic]"):
+                path.unlink(missing_ok=True)
+        except OSError:
+            return self._elsewhere()
+        return _imported(self._name, self._text, cache_folder())
+
+    def _elsewhere(self) -> ModuleType:
+        return _imported(self._name, self._text, temporary_folder())
+
+
+def _is_mistake(error: Exception) -> bool:
+    """Whether it is the text of the kernel that Numba refuses."""
+    from numba.core.errors import NumbaError
+
+    return isinstance(error, NumbaError)
+
+
+def _module_name(function: Callable[..., Any], kind: str, text: str) -> str:
+    """Name that stands for all that is compiled: kernel, shape, options and versions."""
+    import numba
+
+    digest = hashlib.sha256(text.encode())
+    for part in (fingerprint(function), *_FASTMATH, numba.__version__, platform.python_version()):
+        digest.update(part.encode())
+    room = function.__module__.rpartition(".")[2]
+    return f"{room}_{function.__name__}_{kind}_{digest.hexdigest()[:16]}"
+
+
+def _imported(name: str, text: str, folder: Path) -> ModuleType:
+    """Run the text of a module of loops, written first where it is not on disk yet."""
+    import numba
+
+    numba.config.CACHE_DIR = str(folder)  # type: ignore[attr-defined]
+    for function, compiled in marked_kernels():
+        if function not in _REGISTERED:
+            overload = numba.extending.overload(function, jit_options=_KERNEL_OPTIONS, strict=False)
+            overload(_returning(compiled))
+            _REGISTERED.add(function)
+    path, source = folder / f"{name}.py", text.encode()
+    if not path.exists() or path.read_bytes() != source:
+        # written aside and renamed: two runs may start at the same time
+        partial = path.with_suffix(f".{os.getpid()}.tmp")
+        partial.write_bytes(source)
+        partial.replace(path)
+    module = ModuleType(f"dismech_loops_{name}")
+    module.__file__ = str(path)
+    # code loaded from Numba's cache looks its module up by name
+    sys.modules[module.__name__] = module
+    exec(compile(source, path, "exec"), vars(module))
+    return module
+
+
+def _returning(text: Callable[..., Any]) -> Callable[..., Any]:
+    """What ``numba.extending.overload`` wants: a function that returns the text to compile."""
+
+    def choose(*args: Any, **kwargs: Any) -> Callable[..., Any]:
+        return text
+
+    return choose

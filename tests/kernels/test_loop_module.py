@@ -1,0 +1,146 @@
+"""Loops are named by all that makes them, and outlive a broken cache."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from dismech_cli.energies.stretch import STRETCH, STRETCH_PLANAR
+from dismech_cli.geometry.kernel import kernel
+from dismech_cli.kernels import loop_module
+from dismech_cli.kernels.numba_driver import NumbaDriver
+from dismech_cli.kernels.numba_source import map_source, stencil_source
+
+pytest.importorskip("numba")
+
+
+@kernel
+def double(x: Any) -> Any:
+    """Twice each component."""
+    return (2.0 * x[0],)
+
+
+@kernel
+def shift(x: Any) -> Any:
+    """The components but the first."""
+    return x[1:]
+
+
+@pytest.fixture
+def places(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> tuple[Path, Path]:
+    """The cache and the temporary folder."""
+    folders = (tmp_path / "cache", tmp_path / "temporary")
+    for folder in folders:
+        folder.mkdir()
+    monkeypatch.setattr(loop_module, "cache_folder", lambda: folders[0])
+    monkeypatch.setattr(loop_module, "temporary_folder", lambda: folders[1])
+    return folders
+
+
+def loops() -> loop_module.LoopModule:
+    return loop_module.LoopModule(shift, "map", map_source(shift, 3, 2))
+
+
+def assert_works(made: loop_module.LoopModule) -> None:
+    x, out = np.arange(6.0).reshape(3, 2), np.empty((2, 2))
+    made.run("loop", x, out)
+    assert np.array_equal(out, x[1:])
+
+
+def compiled(folder: Path) -> set[str]:
+    return {path.name for path in folder.rglob("*.nb[ic]")}
+
+
+def test_shapes_of_one_kernel_are_loops_of_their_own() -> None:
+    """The same function in two shapes: the second must not get the loops of the first."""
+    driver = NumbaDriver()
+    for inputs in (3, 4, 3):
+        x = np.arange(2.0 * inputs).reshape(inputs, 2)
+        assert np.array_equal(driver.map(shift, x, inputs - 1), x[1:])
+    flat = replace(STRETCH, dimension=2)
+    names = {
+        loop_module._module_name(shape.function, "stencils", stencil_source(shape))
+        for shape in (STRETCH, flat, STRETCH_PLANAR)
+    }
+    assert len(names) == 3
+
+
+def test_second_process_compiles_nothing(places: tuple[Path, Path]) -> None:
+    assert_works(loops())
+    before = {path: path.stat().st_mtime_ns for path in places[0].rglob("*.nb[ic]")}
+    assert len(before) == 2
+    again = loops()
+    assert_works(again)
+    assert {path: path.stat().st_mtime_ns for path in places[0].rglob("*.nb[ic]")} == before
+    assert sum(again._module.loop.stats.cache_hits.values()) == 1
+
+
+def _truncated(path: Path) -> None:
+    path.write_bytes(path.read_bytes()[:20])
+
+
+def _emptied(path: Path) -> None:
+    path.write_bytes(b"")
+
+
+def _garbage(path: Path) -> None:
+    path.write_bytes(b"not a pickle at all")
+
+
+@pytest.mark.parametrize("suffix", [".nbi", ".nbc"])
+@pytest.mark.parametrize("harm", [_truncated, _emptied, _garbage])
+def test_broken_files_are_compiled_again(
+    places: tuple[Path, Path], suffix: str, harm: Callable[[Path], None]
+) -> None:
+    assert_works(loops())
+    files = compiled(places[0])
+    for path in places[0].rglob(f"*{suffix}"):
+        harm(path)
+    with pytest.warns(UserWarning, match="cache of compiled kernels failed for test_loop_module_shift_map"):
+        assert_works(loops())
+    assert_works(loops())
+    assert compiled(places[0]) == files
+    assert not compiled(places[1])
+
+
+def test_cache_that_cannot_be_read_is_left_alone(places: tuple[Path, Path]) -> None:
+    """What can be neither read nor removed: a folder in the place of the index."""
+    assert_works(loops())
+    (index,) = places[0].rglob("*.nbi")
+    index.unlink()
+    index.mkdir()
+    with pytest.warns(UserWarning, match="IsADirectoryError"):
+        assert_works(loops())
+    assert len(compiled(places[1])) == 2
+
+
+def test_cache_that_cannot_be_written_to(places: tuple[Path, Path]) -> None:
+    places[0].rmdir()
+    places[0].write_text("a file")
+    with pytest.warns(UserWarning, match="NotADirectoryError"):
+        made = loops()
+    assert_works(made)
+    assert len(compiled(places[1])) == 2
+
+
+def test_tampered_loops_are_written_again(places: tuple[Path, Path]) -> None:
+    assert_works(loops())
+    (source,) = places[0].glob("*.py")
+    text = source.read_text()
+    source.write_text(text.replace("y[0]", "y[1]"))
+    assert_works(loops())
+    assert source.read_text() == text
+
+
+def test_mistakes_in_kernels_are_not_blamed_on_the_cache(places: tuple[Path, Path]) -> None:
+    from numba.core.errors import NumbaError
+
+    made = loop_module.LoopModule(double, "map", map_source(double, 1, 2))
+    with pytest.raises(NumbaError):
+        made.run("loop", np.zeros((1, 1)), np.zeros((2, 1)))
+    assert not compiled(places[1])
