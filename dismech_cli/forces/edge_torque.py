@@ -13,17 +13,57 @@ and the transport itself turns that normal about v by s per change of v,
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
+from ..geometry.blocks import scale_block, with_column
+from ..geometry.kernel import kernel
+from ..geometry.vectors import combine, combine_block, cross, dot, norm, outer, scale, spin
 from ..kernels.driver import Driver
 from ..kernels.linearization import Coupling, Pattern
+from ..kernels.shape import LoadKernel
 from ..laws.laws import Law
-from ..model.clique import BoundCliques
-from ..model.configuration import Configuration
+from ..model.load import BoundLoad
 from ..model.term import BoundTerm
+
+
+@kernel
+def edge_torque(y: Any, a: Any, p: Any) -> Any:
+    """Residual on tail, head and xi, and its slopes to the edge vector and xi."""
+    v, d, moment = y[0:3], a[0:3], p[0:3]
+    length = norm(v)
+    t = scale(1.0 / length, v)
+    along = dot(d, v)
+    w = 1.0 / (length * (length + along))
+    turn = cross(d, v)
+    s = scale(-w, turn)
+    torque = dot(moment, t)
+    by_torque = scale(1.0 / length, combine(1.0, moment, -torque, t))
+    # dw = by_w . dv, ds = -w [d]x dv - (d x v) dw
+    by_w = scale(-w * w, combine(2.0, v, 1.0, combine(along, t, length, d)))
+    z = 0.0 * torque
+    turning = combine_block(1.0, outer(s, by_torque), -torque, outer(turn, by_w))
+    slope = combine_block(1.0, turning, 1.0, spin(z, scale(-torque * w, d)))
+    f, still = scale(torque, s), (z, z, z)
+    return (
+        (f[0], f[1], f[2], -f[0], -f[1], -f[2], -torque),
+        with_column(slope, still)
+        + with_column(scale_block(-1.0, slope), still)
+        + (-by_torque[0], -by_torque[1], -by_torque[2], z),
+    )
+
+
+EDGE_TORQUE = LoadKernel(
+    edge_torque,
+    dimension=3,
+    nodes=2,
+    vectors=((0, 1),),
+    constants=("moment_x", "moment_y", "moment_z"),
+    angles=1,
+    auxiliaries=3,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,29 +100,8 @@ class EdgeTorque:
         return (Coupling(self.dofs, symmetric=False),)
 
     def bind(self, pattern: Pattern, driver: Driver) -> BoundTerm:
-        """Look the entries up."""
-        return BoundCliques.of(self.name, self.dofs, pattern, self._evaluate)
-
-    def _evaluate(self, c: Configuration) -> tuple[FloatArray, FloatArray]:
-        moment = float(self.law(c.t)) * self.moments
-        v = c.q[self.heads] - c.q[self.tails]
-        d = c.frames.auxiliary[self.stored]
-        length = np.sqrt((v * v).sum(axis=1))[:, None]
-        t = v / length
-        along = (d * v).sum(axis=1)[:, None]
-        w = 1.0 / (length * (length + along))
-        cross = np.cross(d, v)
-        spin = -w * cross
-        torque = (moment * t).sum(axis=1)[:, None]
-        d_torque = (moment - torque * t) / length
-        # [d]x, and the slope of w
-        turn = np.cross(d[:, None, :], np.eye(3)).transpose(0, 2, 1)
-        d_w = -w * w * (2.0 * v + along * t + length * d)
-        d_spin = -w[:, :, None] * turn - cross[:, :, None] * d_w[:, None, :]
-        slope = spin[:, :, None] * d_torque[:, None, :] + torque[:, :, None] * d_spin
-        residual = np.concatenate((torque * spin, -torque * spin, -torque), axis=1)
-        tangent = np.zeros((len(v), 7, 7))
-        tangent[:, 0:3, 0:3], tangent[:, 0:3, 3:6] = -slope, slope
-        tangent[:, 3:6, 0:3], tangent[:, 3:6, 3:6] = slope, -slope
-        tangent[:, 6, 0:3], tangent[:, 6, 3:6] = d_torque, -d_torque
-        return residual, tangent
+        """Make the loop."""
+        moments = dict(zip(EDGE_TORQUE.constants, self.moments.T, strict=True))
+        return BoundLoad.of(
+            self.name, EDGE_TORQUE, self.dofs, moments, self.law, pattern, driver, self.stored
+        )

@@ -12,69 +12,76 @@ so it balances no torque there, and the skew term of ``forces/moment.py`` vanish
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar, Protocol
 
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
-from ..geometry.face_rotation import face_axes, face_frame
+from ..geometry.face_rotation import face_axes
 from ..kernels.driver import Driver
 from ..kernels.linearization import Coupling, Pattern
+from ..kernels.shape import LoadKernel
 from ..kinematics.dofs import DofMap
 from ..kinematics.rod_frames import RodFrames
 from ..laws.laws import Law
-from ..model.clique import BoundCliques
-from ..model.configuration import Configuration
+from ..model.load import BoundLoad
 from ..model.term import BoundTerm
+from .follower_kernels import FOLLOWER_FACE, FOLLOWER_FRAMED, FOLLOWER_PLANAR
 
 
 class Carrier(Protocol):
     """What loads turn with: K parts of the body."""
 
     @property
+    def kernel(self) -> LoadKernel:
+        """The force: it names the components ``force_`` in the frame, and the ``share_`` of each node."""
+
+    @property
     def dofs(self) -> IntArray:
         """DOFs of each part, positions of its nodes first, shape (K, D)."""
 
     @property
-    def axes(self) -> tuple[int, ...]:
-        """Space axes of the position DOFs."""
+    def rest(self) -> FloatArray:
+        """Frames at rest, one unit vector per row, shape (K, 2 or 3, 3)."""
 
     @property
-    def rest(self) -> FloatArray:
-        """Frames at rest, one unit vector per row, shape (K, 3, 3)."""
+    def constants(self) -> Mapping[str, FloatArray]:
+        """What else the kernel reads of each part, shape (K,)."""
 
-    def turned(self, c: Configuration) -> tuple[FloatArray, FloatArray]:
-        """Frames (K, 3, 3), and the small angles by which each DOF turns them, shape (K, D, 3)."""
+    @property
+    def places(self) -> IntArray:
+        """Auxiliary inputs of each part, shape (K, A)."""
 
 
 @dataclass(frozen=True, slots=True)
 class PlanarEdges:
-    """Rod edges of a planar scene: tangent, the normal in the plane, and that of the plane.
+    """Rod edges of a planar scene: tangent and the normal in the plane.
 
     Attributes:
         dofs: DOFs of tail and head, shape (K, 4).
-        axes: Space axes of the plane.
-        rest: Frames at rest, shape (K, 3, 3).
+        rest: Frames at rest, shape (K, 2, 3).
     """
 
     dofs: IntArray
-    axes: tuple[int, ...]
     rest: FloatArray
+    kernel: ClassVar[LoadKernel] = FOLLOWER_PLANAR
+    constants: ClassVar[Mapping[str, FloatArray]] = {}
 
     @classmethod
     def of(cls, dofs: DofMap, edges: IntArray, nodes: FloatArray) -> PlanarEdges:
         """Build for the edges (K, 2) between nodes at rest (N, 3)."""
-        frames = _planar_frames(dofs.axes, nodes[edges[:, 1]] - nodes[edges[:, 0]])
-        return cls(dofs.of_nodes(edges).reshape(len(edges), 4), dofs.axes, frames)
+        e = dofs.project(nodes[edges[:, 1]] - nodes[edges[:, 0]])
+        t = e / np.linalg.norm(e, axis=1)[:, None]
+        normal = np.stack((-t[:, 1], t[:, 0]), axis=1)
+        rest = np.stack((dofs.embed(t), dofs.embed(normal)), axis=1)
+        return cls(dofs.of_nodes(edges).reshape(len(edges), 4), rest)
 
-    def turned(self, c: Configuration) -> tuple[FloatArray, FloatArray]:
-        """See :class:`Carrier`."""
-        x = c.q[self.dofs]
-        e = np.zeros((len(x), 3))
-        e[:, list(self.axes)] = x[:, 2:] - x[:, :2]
-        spin = _spin_of_head(e)[:, list(self.axes)]
-        return _planar_frames(self.axes, e), np.concatenate((-spin, spin), axis=1)
+    @property
+    def places(self) -> IntArray:
+        """None."""
+        return np.empty((len(self.dofs), 0), dtype=np.int64)
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,15 +90,15 @@ class FramedEdges:
 
     Attributes:
         dofs: DOFs of tail, head and angle, shape (K, 7).
-        axes: All three.
         rest: Frames at rest, shape (K, 3, 3).
-        directors: Places of m1 (3) and m2 (3) in the auxiliary array of the frames, shape (K, 6).
+        places: Places of m1 (3) and m2 (3) in the auxiliary array of the frames, shape (K, 6).
     """
 
     dofs: IntArray
-    axes: tuple[int, ...]
     rest: FloatArray
-    directors: IntArray
+    places: IntArray
+    kernel: ClassVar[LoadKernel] = FOLLOWER_FRAMED
+    constants: ClassVar[Mapping[str, FloatArray]] = {}
 
     @classmethod
     def of(cls, dofs: DofMap, frames: RodFrames, edges: IntArray, q: FloatArray) -> FramedEdges:
@@ -100,17 +107,7 @@ class FramedEdges:
         at_rest = frames.rest(q)
         t, m1 = at_rest.tangent[:, edges].T, at_rest.director[:, edges].T
         rest = np.stack((t, m1, np.cross(t, m1)), axis=1)
-        return cls(np.concatenate(ends).T, dofs.axes, rest, frames.director_places(edges))
-
-    def turned(self, c: Configuration) -> tuple[FloatArray, FloatArray]:
-        """See :class:`Carrier`."""
-        x = c.q[self.dofs]
-        e = x[:, 3:6] - x[:, :3]
-        t = e / np.linalg.norm(e, axis=1)[:, None]
-        directors = c.frames.auxiliary[self.directors].reshape(-1, 2, 3)
-        spin = _spin_of_head(e)
-        frames = np.concatenate((t[:, None], directors), axis=1)
-        return frames, np.concatenate((-spin, spin, t[:, None]), axis=1)
+        return cls(np.concatenate(ends).T, rest, frames.director_places(edges).reshape(-1, 6))
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,33 +116,27 @@ class Faces:
 
     Attributes:
         dofs: DOFs of the corners, shape (K, 9).
-        axes: All three.
         rest: Frames at rest, shape (K, 3, 3).
-        gauge: Constants of ``geometry/face_rotation.py`` [1/m], shape (3, K).
+        constants: Those of ``geometry/face_rotation.py`` [1/m].
     """
 
     dofs: IntArray
-    axes: tuple[int, ...]
     rest: FloatArray
-    gauge: FloatArray
+    constants: Mapping[str, FloatArray]
+    kernel: ClassVar[LoadKernel] = FOLLOWER_FACE
 
     @classmethod
     def of(cls, dofs: DofMap, triangles: IntArray, nodes: FloatArray) -> Faces:
         """Build for triangles (K, 3) between nodes at rest (N, 3)."""
         x = nodes[triangles]
         gauge, frames = face_axes(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0])
-        return cls(dofs.of_nodes(triangles).reshape(len(triangles), 9), dofs.axes, frames, gauge)
+        constants = dict(zip(("alpha", "beta_u", "beta_v"), gauge, strict=True))
+        return cls(dofs.of_nodes(triangles).reshape(len(triangles), 9), frames, constants)
 
-    def turned(self, c: Configuration) -> tuple[FloatArray, FloatArray]:
-        """See :class:`Carrier`."""
-        x = np.ascontiguousarray(c.q[self.dofs].T)
-        u, v = x[3:6] - x[0:3], x[6:9] - x[0:3]
-        f, h, n, _, area, pu, pv = face_frame(u, v, *self.gauge)
-        # about n as the polar rotation says, across it as n turns: w = n (p.d) + (u n.dv - v n.du)/area
-        by_u = np.einsum("ik,jk->kij", pu, n) - np.einsum("ik,jk->kij", n, v / area)
-        by_v = np.einsum("ik,jk->kij", pv, n) + np.einsum("ik,jk->kij", n, u / area)
-        frames = np.stack((f, h, n)).transpose(2, 0, 1)
-        return frames, np.concatenate((-by_u - by_v, by_u, by_v), axis=1)
+    @property
+    def places(self) -> IntArray:
+        """None."""
+        return np.empty((len(self.dofs), 0), dtype=np.int64)
 
 
 @dataclass(frozen=True, slots=True)
@@ -156,7 +147,7 @@ class FollowerForce:
         name: Unique name.
         carrier: What the forces turn with.
         shares: Weight of the force on each node of each carrier [1 or m], shape (K, m).
-        local: Force at unit scale in the frames of the carriers [N or N/m], shape (K, 3).
+        local: Force at unit scale in the frames of the carriers [N or N/m], shape (K, 2 or 3).
         law: Scale over time [1].
     """
 
@@ -180,33 +171,11 @@ class FollowerForce:
         return (Coupling(self.carrier.dofs, symmetric=False),)
 
     def bind(self, pattern: Pattern, driver: Driver) -> BoundTerm:
-        """Look the entries up."""
-        return BoundCliques.of(self.name, self.carrier.dofs, pattern, self._evaluate)
-
-    def _evaluate(self, c: Configuration) -> tuple[FloatArray, FloatArray]:
-        axes = list(self.carrier.axes)
-        frames, spin = self.carrier.turned(c)
-        force = float(self.law(c.t)) * np.einsum("ki,kij->kj", self.local, frames)
-        slope = np.cross(spin, force[:, None, :])  # of the force, by DOF
-        count, nodes = self.shares.shape
-        size = spin.shape[1]
-        residual, tangent = np.zeros((count, size)), np.zeros((count, size, size))
-        moved = nodes * len(axes)
-        residual[:, :moved] = -(self.shares[:, :, None] * force[:, None, axes]).reshape(count, moved)
-        by_node = self.shares[:, :, None, None] * slope.transpose(0, 2, 1)[:, None, axes]
-        tangent[:, :moved] = -by_node.reshape(count, moved, size)
-        return residual, tangent
-
-
-def _planar_frames(axes: tuple[int, ...], e: FloatArray) -> FloatArray:
-    """Tangent, normal in the plane, normal of the plane, shape (K, 3, 3)."""
-    t = e / np.linalg.norm(e, axis=1)[:, None]
-    across = np.zeros_like(t)
-    across[:, [axis for axis in range(3) if axis not in axes]] = 1.0
-    return np.stack((t, np.cross(across, t), across), axis=1)
-
-
-def _spin_of_head(e: FloatArray) -> FloatArray:
-    """Small angles t x de / l by which each component of the head turns an edge, shape (K, 3, 3)."""
-    spin: FloatArray = np.cross(e[:, None, :], np.eye(3)) / (e * e).sum(axis=1)[:, None, None]
-    return spin
+        """Make the loop."""
+        on = self.carrier
+        parameters = {
+            **{f"force_{k}": component for k, component in enumerate(self.local.T)},
+            **on.constants,
+            **{f"share_{k}": share for k, share in enumerate(self.shares.T)},
+        }
+        return BoundLoad.of(self.name, on.kernel, on.dofs, parameters, self.law, pattern, driver, on.places)

@@ -12,18 +12,88 @@ derivative of the whole balance.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import ClassVar
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar
 
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
+from ..geometry.blocks import entries, scale_block, with_column
+from ..geometry.kernel import kernel
+from ..geometry.vectors import combine, combine_block, cross, dot, norm, outer, scale, spin
 from ..kernels.driver import Driver
 from ..kernels.linearization import Coupling, Pattern
+from ..kernels.shape import LoadKernel
 from ..laws.laws import Law
-from ..model.clique import BoundCliques
-from ..model.configuration import Configuration
+from ..model.load import BoundLoad
 from ..model.term import BoundTerm
+
+
+@kernel
+def moment(y: Any, a: Any, p: Any) -> Any:
+    """Residual on tail and head, and its slopes to the edge vector."""
+    e, m = y[0:3], p[0:3]
+    inverse = 1.0 / dot(e, e)
+    f = scale(inverse, cross(m, e))
+    # d(M x e / e.e) = ([M]x - 2 f e^T) de / e.e
+    turning = spin(0.0 * inverse, scale(inverse, m))
+    slope = combine_block(1.0, turning, -2.0 * inverse, outer(f, e))
+    return (
+        (f[0], f[1], f[2], -f[0], -f[1], -f[2]),
+        entries(slope) + entries(scale_block(-1.0, slope)),
+    )
+
+
+@kernel
+def moment_framed(y: Any, a: Any, p: Any) -> Any:
+    """Residual on tail, head and angle, and its slopes to the edge vector and the angle."""
+    e, m = y[0:3], p[0:3]
+    inverse = 1.0 / dot(e, e)
+    f = scale(inverse, cross(m, e))
+    z = 0.0 * inverse
+    # M.t [t]x / l^2, by halves, makes up for the turning of the frame
+    along = inverse * inverse * dot(m, e)
+    turning = spin(z, combine(inverse, m, -0.5 * along, e))
+    slope = combine_block(1.0, turning, -2.0 * inverse, outer(f, e))
+    length = norm(e)
+    t = scale(1.0 / length, e)
+    torque = dot(m, t)
+    by_torque = scale(1.0 / length, combine(-1.0, m, torque, t))
+    still = (z, z, z)
+    return (
+        (f[0], f[1], f[2], -f[0], -f[1], -f[2], -torque),
+        with_column(slope, still)
+        + with_column(scale_block(-1.0, slope), still)
+        + (by_torque[0], by_torque[1], by_torque[2], z),
+    )
+
+
+@kernel
+def moment_planar(y: Any, a: Any, p: Any) -> Any:
+    """Residual on tail and head, and its slopes to the edge vector, in the plane."""
+    ex, ey, m = y[0], y[1], p[0]
+    inverse = 1.0 / (ex * ex + ey * ey)
+    fx, fy = -m * inverse * ey, m * inverse * ex
+    kxx, kxy = -2.0 * inverse * fx * ex, -m * inverse - 2.0 * inverse * fx * ey
+    kyx, kyy = m * inverse - 2.0 * inverse * fy * ex, -2.0 * inverse * fy * ey
+    return (fx, fy, -fx, -fy), (kxx, kxy, kyx, kyy, -kxx, -kxy, -kyx, -kyy)
+
+
+MOMENT = LoadKernel(
+    moment,
+    dimension=3,
+    nodes=2,
+    vectors=((0, 1),),
+    constants=("moment_x", "moment_y", "moment_z"),
+)
+MOMENT_FRAMED = replace(MOMENT, function=moment_framed, angles=1)
+MOMENT_PLANAR = replace(MOMENT, function=moment_planar, dimension=2, constants=("moment",))
+
+
+def plane_normal(axes: tuple[int, ...]) -> FloatArray:
+    """Normal of the plane of two space axes, about which the first turns to the second, shape (3,)."""
+    first, second = np.eye(3)[list(axes)]
+    return np.cross(first, second)
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,37 +132,11 @@ class EdgeMoment:
         return np.concatenate(parts, axis=1)
 
     def bind(self, pattern: Pattern, driver: Driver) -> BoundTerm:
-        """Look the entries up."""
-        return BoundCliques.of(self.name, self._dofs, pattern, self._evaluate)
-
-    def _evaluate(self, c: Configuration) -> tuple[FloatArray, FloatArray]:
-        axes = list(self.axes)
-        moment = float(self.law(c.t)) * self.moments
-        e = np.zeros((len(moment), 3))
-        e[:, axes] = c.q[self.heads] - c.q[self.tails]
-        square = (e * e).sum(axis=1)[:, None]
-        couple = np.cross(moment, e) / square
-        # d(M x e / e.e)/de = [M]x / e.e - 2 couple e^T / e.e
-        d = np.zeros((len(moment), 3, 3))
-        d[:, 0, 1], d[:, 0, 2], d[:, 1, 2] = -moment[:, 2], moment[:, 1], -moment[:, 0]
-        d -= d.transpose(0, 2, 1)
-        d = (d - 2.0 * couple[:, :, None] * e[:, None, :]) / square[:, :, None]
-        if self.angles.size:
-            # M.t [t]x / l^2, with t = e/l
-            along = (moment * e).sum(axis=1)[:, None, None] / square[:, :, None] ** 2
-            d -= 0.5 * along * np.cross(np.eye(3), e[:, None, :])
-        k, f = d[:, axes][:, :, axes], couple[:, axes]
-        n = len(axes)
-        size = self._dofs.shape[1]
-        residual = np.zeros((len(moment), size))
-        residual[:, :n], residual[:, n : 2 * n] = f, -f
-        tangent = np.zeros((len(moment), size, size))
-        tangent[:, :n, :n], tangent[:, :n, n : 2 * n] = -k, k
-        tangent[:, n : 2 * n, :n], tangent[:, n : 2 * n, n : 2 * n] = k, -k
-        if self.angles.size:
-            length = np.sqrt(square)
-            t = e / length
-            residual[:, -1] = -(moment * t).sum(axis=1)
-            slope = -(moment + residual[:, -1:] * t) / length  # d(-M.t)/de
-            tangent[:, -1, :n], tangent[:, -1, n : 2 * n] = -slope, slope
-        return residual, tangent
+        """Make the loop."""
+        if len(self.axes) == 2:
+            # a moment within the plane would push out of it
+            chosen, moments = MOMENT_PLANAR, {"moment": self.moments @ plane_normal(self.axes)}
+        else:
+            chosen = MOMENT_FRAMED if self.angles.size else MOMENT
+            moments = dict(zip(chosen.constants, self.moments.T, strict=True))
+        return BoundLoad.of(self.name, chosen, self._dofs, moments, self.law, pattern, driver)

@@ -7,18 +7,21 @@ it is neither.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
+from ..geometry.kernel import kernel
+from ..geometry.vectors import cross, scale
 from ..kernels.driver import Driver
 from ..kernels.linearization import Coupling, Linearization, Pattern
+from ..kernels.shape import LoadKernel
 from ..kinematics.dofs import DofMap
 from ..laws.laws import Law
 from ..mesh.topology.sides import rim_sides
-from ..model.clique import BoundCliques
 from ..model.configuration import Configuration
+from ..model.load import BoundLoad
 from ..model.term import BoundTerm, Term
 
 
@@ -35,6 +38,24 @@ def pressure(name: str, dofs: DofMap, triangles: IntArray, law: Law) -> Term:
     if not len(rim_sides(triangles)):
         return VolumePressure(name, corners, law)
     return FollowerPressure(name, corners, law)
+
+
+@kernel
+def face_pressure(y: Any, a: Any, p: Any) -> Any:
+    """Residual at unit pressure on the three corners, and its slopes to (x1 - x0, x2 - x0)."""
+    u, v = scale(1.0 / 6.0, y[0:3]), scale(1.0 / 6.0, y[3:6])
+    m = cross(u, y[3:6])
+    z = 0.0 * m[0]
+    r = (-m[0], -m[1], -m[2])
+    rows = (
+        z, -v[2], v[1], z, u[2], -u[1],
+        v[2], z, -v[0], -u[2], z, u[0],
+        -v[1], v[0], z, u[1], -u[0], z,
+    )  # fmt: skip
+    return r + r + r, rows + rows + rows
+
+
+FACE_PRESSURE = LoadKernel(face_pressure, dimension=3, nodes=3, vectors=((0, 1), (0, 2)), constants=())
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,16 +79,8 @@ class FollowerPressure:
         return (Coupling(self.corners, symmetric=False),)
 
     def bind(self, pattern: Pattern, driver: Driver) -> BoundTerm:
-        """Look the entries up."""
-        return BoundCliques.of(self.name, self.corners, pattern, self._evaluate)
-
-    def _evaluate(self, c: Configuration) -> tuple[FloatArray, FloatArray]:
-        x = c.q[self.corners]
-        a, b = x[:, 3:6] - x[:, 0:3], x[:, 6:9] - x[:, 0:3]
-        scale = float(self.law(c.t)) / 6.0
-        by_a, by_b = scale * _cross_matrix(b), -scale * _cross_matrix(a)
-        row = np.concatenate((-by_a - by_b, by_a, by_b), axis=2)
-        return np.tile(-scale * np.cross(a, b), (1, 3)), np.tile(row, (1, 3, 1))
+        """Make the loop."""
+        return BoundLoad.of(self.name, FACE_PRESSURE, self.corners, {}, self.law, pattern, driver)
 
 
 @dataclass(frozen=True, slots=True)

@@ -174,6 +174,29 @@ def entries(a: Block) -> Any:
     return a
 
 
+@operation(lambda s, a: s * a)
+def scale_block(s: Any, a: Block) -> Block:
+    """Return s a of a block given by all entries."""
+    return (s * a[0], s * a[1], s * a[2], s * a[3], s * a[4], s * a[5], s * a[6], s * a[7], s * a[8])
+
+
+@kernel
+def side_by_side(a: Block, b: Block) -> Any:
+    """Rows of two blocks, one beside the other: 18 entries."""
+    left, right = entries(a), entries(b)
+    return left[:3] + right[:3] + left[3:6] + right[3:6] + left[6:] + right[6:]
+
+
+@kernel
+def with_column(a: Block, b: Vector) -> Any:
+    """Rows of a block with a column beside it: 12 entries."""
+    return (
+        a[0], a[1], a[2], b[0],
+        a[3], a[4], a[5], b[1],
+        a[6], a[7], a[8], b[2],
+    )  # fmt: skip
+
+
 @kernel
 def pack_five(d: Any, o: Any) -> Any:
     """Packed 15x15 Hessian of five vectors.

@@ -7,7 +7,7 @@ from typing import Any, Protocol
 
 from ..arrays import FloatArray, IntArray
 from .linearization import Linearization, Pattern
-from .shape import DragKernel, Kernel
+from .shape import DragKernel, Kernel, LoadKernel
 
 
 class StencilLoop(Protocol):
@@ -39,6 +39,25 @@ class DragLoop(Protocol):
         """Add -f, -df/dq and -df/dv."""
 
 
+class LoadLoop(Protocol):
+    """All stencils of one force without potential."""
+
+    def add_residual(
+        self, q: FloatArray, auxiliary: FloatArray, parameters: FloatArray, scale: float, r: FloatArray
+    ) -> None:
+        """Add -f at some scale to ``r``, shape (n,)."""
+
+    def add_linearization(
+        self,
+        q: FloatArray,
+        auxiliary: FloatArray,
+        parameters: FloatArray,
+        scale: float,
+        into: Linearization,
+    ) -> None:
+        """Add -f and -df/dq at some scale."""
+
+
 class Driver(Protocol):
     """Turns kernels into loops."""
 
@@ -51,6 +70,9 @@ class Driver(Protocol):
 
     def drag(self, kernel: DragKernel, dofs: IntArray, pattern: Pattern) -> DragLoop:
         """Loop of a drag kernel over stencils (S, D)."""
+
+    def load(self, kernel: LoadKernel, dofs: IntArray, auxiliaries: IntArray, pattern: Pattern) -> LoadLoop:
+        """Loop of a load kernel over stencils (S, D) with auxiliary inputs (S, A)."""
 
     def map(self, function: Callable[[Any], Any], inputs: FloatArray, outputs: int) -> FloatArray:
         """Apply a kernel column by column: (inputs, k) to (outputs, k)."""

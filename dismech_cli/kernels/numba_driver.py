@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import FloatArray, IntArray
-from .driver import DragLoop, StencilLoop
+from .driver import DragLoop, LoadLoop, StencilLoop
 from .linearization import Linearization, Pattern
 from .loop_module import LoopModule
-from .numba_source import drag_source, map_source, stencil_source
-from .shape import DragKernel, Kernel
+from .numba_source import drag_source, load_source, map_source, stencil_source
+from .shape import DragKernel, Kernel, LoadKernel
 
 
 def _unsigned(indices: IntArray) -> NDArray[np.uint32]:
@@ -107,6 +107,48 @@ class NumbaDragLoop:
 
 
 @cache
+def _load_loops(kernel: LoadKernel) -> LoopModule:
+    return LoopModule(kernel.function, "load", load_source(kernel))
+
+
+class NumbaLoadLoop:
+    """Serial compiled loop over load stencils."""
+
+    def __init__(self, kernel: LoadKernel, dofs: IntArray, auxiliaries: IntArray, pattern: Pattern) -> None:
+        self._loops = _load_loops(kernel)
+        self._indices = (_unsigned(dofs), _unsigned(auxiliaries))
+        i, j = np.divmod(np.arange(kernel.dofs**2), kernel.dofs)
+        self._slots = _unsigned(pattern.slots_of(dofs[:, i], dofs[:, j]))
+
+    def add_residual(
+        self, q: FloatArray, auxiliary: FloatArray, parameters: FloatArray, scale: float, r: FloatArray
+    ) -> None:
+        """Add -f."""
+        self._loops.run("residual", q, auxiliary, parameters, scale, *self._indices, r)
+
+    def add_linearization(
+        self,
+        q: FloatArray,
+        auxiliary: FloatArray,
+        parameters: FloatArray,
+        scale: float,
+        into: Linearization,
+    ) -> None:
+        """Add -f and -df/dq."""
+        self._loops.run(
+            "linearization",
+            q,
+            auxiliary,
+            parameters,
+            scale,
+            *self._indices,
+            into.residual,
+            into.stiffness,
+            self._slots,
+        )
+
+
+@cache
 def _map_loop(function: Callable[..., Any], inputs: int, outputs: int) -> LoopModule:
     return LoopModule(function, "map", map_source(function, inputs, outputs))
 
@@ -124,6 +166,10 @@ class NumbaDriver:
     def drag(self, kernel: DragKernel, dofs: IntArray, pattern: Pattern) -> DragLoop:
         """Loop of a drag kernel."""
         return NumbaDragLoop(kernel, dofs, pattern)
+
+    def load(self, kernel: LoadKernel, dofs: IntArray, auxiliaries: IntArray, pattern: Pattern) -> LoadLoop:
+        """Loop of a load kernel."""
+        return NumbaLoadLoop(kernel, dofs, auxiliaries, pattern)
 
     def map(self, function: Callable[[Any], Any], inputs: FloatArray, outputs: int) -> FloatArray:
         """Apply a kernel column by column."""

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from .shape import DragKernel, Kernel
+from .shape import DragKernel, Kernel, LoadKernel
 
 _HEADER = '''"""Loops of {name}; written by dismech, do not edit."""
 
@@ -63,6 +63,22 @@ def linearization(q, v, p, dofs, r, stiffness, damping, k_slots, c_slots):
         {damping}
 """
 
+_LOAD = """
+@jit
+def residual(q, auxiliary, p, scale, dofs, places, r):
+    for s in range(len(dofs)):
+        f = kernel({y}, {a}, {p})[0]
+        {force}
+
+
+@jit
+def linearization(q, auxiliary, p, scale, dofs, places, r, stiffness, slots):
+    for s in range(len(dofs)):
+        f, k = kernel({y}, {a}, {p})
+        {force}
+        {stiffness}
+"""
+
 _MAP = """
 @jit
 def loop(x, out):
@@ -74,13 +90,11 @@ def loop(x, out):
 
 def stencil_source(kernel: Kernel) -> str:
     """Module text of an energy kernel: ``energies``, ``residual``, ``linearization``."""
-    y = _differences(kernel.vectors, kernel.dimension)
-    y += [f"q[dofs[s, {kernel.dimension * kernel.nodes + k}]]" for k in range(kernel.angles)]
     dof, reduced, sign = kernel.gradient_table
     pair, packed, factor = kernel.hessian_table
     return _header(kernel.function) + _STENCIL.format(
-        y=_tuple(y),
-        a=_tuple([f"auxiliary[places[s, {k}]]" for k in range(kernel.auxiliaries)]),
+        y=_tuple(_variables(kernel)),
+        a=_auxiliaries(kernel),
         p=_parameters(len(kernel.parameters)),
         energy=", ".join(f"out[{k}, s]" for k in range(kernel.energies)),
         gradient=_sums("r[dofs[s, {}]]", "g", dof, reduced, sign),
@@ -103,6 +117,20 @@ def drag_source(kernel: DragKernel) -> str:
     )
 
 
+def load_source(kernel: LoadKernel) -> str:
+    """Module text of a load kernel: ``residual``, ``linearization``."""
+    row, column, index, sign = kernel.stiffness_table
+    every = np.arange(kernel.dofs)
+    ones = np.ones(kernel.dofs)
+    return _header(kernel.function) + _LOAD.format(
+        y=_tuple(_variables(kernel)),
+        a=_auxiliaries(kernel),
+        p=_parameters(len(kernel.parameters)),
+        force=_sums("r[dofs[s, {}]]", "scale * f", every, every, ones),
+        stiffness=_sums("stiffness[slots[s, {}]]", "scale * k", row * kernel.dofs + column, index, sign),
+    )
+
+
 def map_source(function: Callable[..., Any], inputs: int, outputs: int) -> str:
     """Module text of a map kernel: ``loop``."""
     return _header(function) + _MAP.format(
@@ -113,6 +141,15 @@ def map_source(function: Callable[..., Any], inputs: int, outputs: int) -> str:
 
 def _header(function: Callable[..., Any]) -> str:
     return _HEADER.format(name=function.__name__, module=function.__module__)
+
+
+def _variables(kernel: Kernel | LoadKernel) -> list[str]:
+    angles = range(kernel.dimension * kernel.nodes, kernel.dofs)
+    return _differences(kernel.vectors, kernel.dimension) + [f"q[dofs[s, {k}]]" for k in angles]
+
+
+def _auxiliaries(kernel: Kernel | LoadKernel) -> str:
+    return _tuple([f"auxiliary[places[s, {k}]]" for k in range(kernel.auxiliaries)])
 
 
 def _differences(vectors: Sequence[tuple[int, int]], dimension: int) -> list[str]:

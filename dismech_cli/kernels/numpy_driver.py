@@ -10,9 +10,9 @@ import numpy as np
 from scipy.sparse import csr_matrix
 
 from ..arrays import FloatArray, IntArray
-from .driver import DragLoop, StencilLoop
+from .driver import DragLoop, LoadLoop, StencilLoop
 from .linearization import Linearization, Pattern
-from .shape import DragKernel, Kernel
+from .shape import DragKernel, Kernel, LoadKernel
 
 # Stencils per call: temporaries of a chunk stay in the second-level cache.
 _CHUNK = 2048
@@ -42,25 +42,25 @@ def _operator(
     return csr_matrix((data, (rows[keep], columns[keep])), shape=(height, width))
 
 
+def _ends(kernel: Kernel | DragKernel | LoadKernel, dofs: IntArray) -> tuple[IntArray, IntArray]:
+    """DOFs of the tails and of the heads of all edge vectors, component by component, shape (M, S)."""
+    d = kernel.dimension
+    tails = [tail * d + i for tail, _ in kernel.vectors for i in range(d)]
+    heads = [head * d + i for _, head in kernel.vectors for i in range(d)]
+    return np.ascontiguousarray(dofs[:, tails].T), np.ascontiguousarray(dofs[:, heads].T)
+
+
 class NumpyStencilLoop:
     """Gather, evaluate in chunks, scatter by two sparse operators."""
 
     def __init__(self, kernel: Kernel, dofs: IntArray, auxiliaries: IntArray, pattern: Pattern) -> None:
         self._kernel = kernel
         count = len(dofs)
-        split = kernel.dimension * len(kernel.vectors)
-        tails = np.array(
-            [t * kernel.dimension + i for t, _ in kernel.vectors for i in range(kernel.dimension)]
-        )
-        heads = np.array(
-            [h * kernel.dimension + i for _, h in kernel.vectors for i in range(kernel.dimension)]
-        )
         angles = kernel.dimension * kernel.nodes + np.arange(kernel.angles)
-        self._tails = np.ascontiguousarray(dofs[:, tails].T)
-        self._heads = np.ascontiguousarray(dofs[:, heads].T)
+        self._tails, self._heads = _ends(kernel, dofs)
         self._angles = np.ascontiguousarray(dofs[:, angles].T)
         self._auxiliaries = np.ascontiguousarray(auxiliaries.T)
-        self._vectors = split
+        self._vectors = len(self._tails)
         self._y = np.empty((kernel.reduced, count))
         self._energy = np.empty((kernel.energies, count))
         self._gradient = np.empty((kernel.reduced, count))
@@ -120,11 +120,7 @@ class NumpyDragLoop:
 
     def __init__(self, kernel: DragKernel, dofs: IntArray, pattern: Pattern) -> None:
         self._kernel = kernel
-        d = kernel.dimension
-        tails = np.array([t * d + i for t, _ in kernel.vectors for i in range(d)])
-        heads = np.array([h * d + i for _, h in kernel.vectors for i in range(d)])
-        self._tails = np.ascontiguousarray(dofs[:, tails].T)
-        self._heads = np.ascontiguousarray(dofs[:, heads].T)
+        self._tails, self._heads = _ends(kernel, dofs)
         loaded = dofs[:, kernel.loaded_dofs]
         self._loaded = np.ascontiguousarray(loaded.T)
         row, column, index, sign = kernel.stiffness_table
@@ -160,6 +156,58 @@ class NumpyDragLoop:
         r += np.bincount(self._loaded.reshape(-1), force.reshape(-1), minlength=len(r))
 
 
+class NumpyLoadLoop:
+    """The same for load kernels."""
+
+    def __init__(self, kernel: LoadKernel, dofs: IntArray, auxiliaries: IntArray, pattern: Pattern) -> None:
+        self._kernel = kernel
+        count = len(dofs)
+        self._tails, self._heads = _ends(kernel, dofs)
+        self._vectors = len(self._tails)
+        self._dofs = np.ascontiguousarray(dofs.T)
+        self._auxiliaries = np.ascontiguousarray(auxiliaries.T)
+        self._y = np.empty((kernel.reduced, count))
+        self._force = np.empty((kernel.dofs, count))
+        self._stiffness = np.empty((kernel.dofs * kernel.reduced, count))
+        row, column, index, sign = kernel.stiffness_table
+        slots = pattern.slots_of(dofs[:, row], dofs[:, column])
+        self._to_stiffness = _operator(slots, index, sign, pattern.slots, pattern.slots - 1)
+
+    def add_residual(
+        self, q: FloatArray, auxiliary: FloatArray, parameters: FloatArray, scale: float, r: FloatArray
+    ) -> None:
+        """Add -f."""
+        self._evaluate(q, auxiliary, parameters)
+        self._add_force(scale, r)
+
+    def add_linearization(
+        self,
+        q: FloatArray,
+        auxiliary: FloatArray,
+        parameters: FloatArray,
+        scale: float,
+        into: Linearization,
+    ) -> None:
+        """Add -f and -df/dq."""
+        self._evaluate(q, auxiliary, parameters)
+        self._add_force(scale, into.residual)
+        into.stiffness += scale * (self._to_stiffness @ self._stiffness.reshape(-1))
+
+    def _evaluate(self, q: FloatArray, auxiliary: FloatArray, parameters: FloatArray) -> None:
+        np.subtract(q[self._heads], q[self._tails], out=self._y[: self._vectors])
+        self._y[self._vectors :] = q[self._dofs[self._kernel.dimension * self._kernel.nodes :]]
+        a = auxiliary[self._auxiliaries]
+        for chunk in _chunks(self._y.shape[1]):
+            force, stiffness = self._kernel.function(self._y[:, chunk], a[:, chunk], parameters[:, chunk])
+            for target, value in zip(self._force, force, strict=True):
+                target[chunk] = value
+            for target, value in zip(self._stiffness, stiffness, strict=True):
+                target[chunk] = value
+
+    def _add_force(self, scale: float, r: FloatArray) -> None:
+        r += scale * np.bincount(self._dofs.reshape(-1), self._force.reshape(-1), minlength=len(r))
+
+
 def _rows(values: Any, count: int) -> FloatArray:
     out = np.empty((len(values), count))
     for target, value in zip(out, values, strict=True):
@@ -180,6 +228,10 @@ class NumpyDriver:
     def drag(self, kernel: DragKernel, dofs: IntArray, pattern: Pattern) -> DragLoop:
         """Loop of a drag kernel."""
         return NumpyDragLoop(kernel, dofs, pattern)
+
+    def load(self, kernel: LoadKernel, dofs: IntArray, auxiliaries: IntArray, pattern: Pattern) -> LoadLoop:
+        """Loop of a load kernel."""
+        return NumpyLoadLoop(kernel, dofs, auxiliaries, pattern)
 
     def map(self, function: Callable[[Any], Any], inputs: FloatArray, outputs: int) -> FloatArray:
         """Apply a kernel column by column."""

@@ -14,10 +14,10 @@ from typing import Any
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
-from .driver import DragLoop, Driver, StencilLoop
+from .driver import DragLoop, Driver, LoadLoop, StencilLoop
 from .linearization import Linearization, Pattern
 from .numpy_driver import NumpyDriver
-from .shape import DragKernel, Kernel
+from .shape import DragKernel, Kernel, LoadKernel
 
 
 def clamped(packed: FloatArray, order: int) -> FloatArray:
@@ -114,6 +114,10 @@ class ProjectedDriver:
     def drag(self, kernel: DragKernel, dofs: IntArray, pattern: Pattern) -> DragLoop:
         """Loop of a drag kernel."""
         return self.driver.drag(kernel, dofs, pattern)
+
+    def load(self, kernel: LoadKernel, dofs: IntArray, auxiliaries: IntArray, pattern: Pattern) -> LoadLoop:
+        """Loop of a load kernel."""
+        return self.driver.load(kernel, dofs, auxiliaries, pattern)
 
     def map(self, function: Callable[[Any], Any], inputs: FloatArray, outputs: int) -> FloatArray:
         """Apply a kernel column by column."""

@@ -4,7 +4,8 @@ An energy kernel sees reduced variables only: differences of node positions (edg
 angles. Because node positions enter through differences, gradient and Hessian with respect to nodes
 follow from constant +-1 patterns, tabulated here once per kernel. A drag kernel sees edge vectors,
 velocities of some nodes of the stencil and constants, and returns its residual share on those same
-nodes with both tangents.
+nodes with both tangents. A load kernel sees what an energy kernel sees and returns its residual share
+on all DOFs of the stencil: its force has no potential.
 
 Kernels name their parameters: only they know in which row of p a name stands.
 """
@@ -63,6 +64,17 @@ class Parameters:
         for row, name in zip(out, self.names, strict=True):
             row[:] = values[name]
         return out
+
+
+def _reduction(dimension: int, nodes: int, vectors: tuple[tuple[int, int], ...], angles: int) -> FloatArray:
+    b = np.zeros((dimension * len(vectors) + angles, dimension * nodes + angles))
+    for k, (tail, head) in enumerate(vectors):
+        for i in range(dimension):
+            b[k * dimension + i, tail * dimension + i] = -1.0
+            b[k * dimension + i, head * dimension + i] = 1.0
+    for k in range(angles):
+        b[dimension * len(vectors) + k, dimension * nodes + k] = 1.0
+    return b
 
 
 @dataclass(frozen=True)
@@ -124,14 +136,7 @@ class Kernel:
     @cached_property
     def reduction(self) -> FloatArray:
         """Constant matrix B, shape (R, D): y = B q_local."""
-        b = np.zeros((self.reduced, self.dofs))
-        for k, (tail, head) in enumerate(self.vectors):
-            for i in range(self.dimension):
-                b[k * self.dimension + i, tail * self.dimension + i] = -1.0
-                b[k * self.dimension + i, head * self.dimension + i] = 1.0
-        for k in range(self.angles):
-            b[self.dimension * len(self.vectors) + k, self.dimension * self.nodes + k] = 1.0
-        return b
+        return _reduction(self.dimension, self.nodes, self.vectors, self.angles)
 
     @cached_property
     def gradient_table(self) -> tuple[IntArray, IntArray, FloatArray]:
@@ -218,3 +223,51 @@ class DragKernel:
                     entries.append((row, head * d + i, index, 1.0))
         rows, columns, indices, signs = zip(*entries, strict=True)
         return np.array(rows), np.array(columns), np.array(indices), np.array(signs)
+
+
+@dataclass(frozen=True)
+class LoadKernel:
+    """A force without potential that depends on the state, and the shape of its stencil.
+
+    Attributes:
+        function: ``f(y, a, p) -> (r (D), dr/dy (D*R by rows))``, tuples: the residual on all DOFs of
+            the stencil, nodes first, at unit scale.
+        dimension: Components of a vector: 2 or 3.
+        nodes: Nodes per stencil.
+        vectors: Edge vectors as (tail, head) local nodes; y starts with their components.
+        constants: Names of p.
+        angles: Angles per stencil; they end y.
+        auxiliaries: Inputs a taken from the trial frames.
+    """
+
+    function: Callable[[Any, Any, Any], Any]
+    dimension: int
+    nodes: int
+    vectors: tuple[tuple[int, int], ...]
+    constants: tuple[str, ...]
+    angles: int = 0
+    auxiliaries: int = 0
+
+    @cached_property
+    def parameters(self) -> Parameters:
+        """Names of p."""
+        return Parameters(self.constants)
+
+    @property
+    def reduced(self) -> int:
+        """Number R of reduced variables."""
+        return self.dimension * len(self.vectors) + self.angles
+
+    @property
+    def dofs(self) -> int:
+        """Number D of DOFs per stencil."""
+        return self.dimension * self.nodes + self.angles
+
+    @cached_property
+    def stiffness_table(self) -> tuple[IntArray, IntArray, IntArray, FloatArray]:
+        """Entries (row DOF, column DOF, index into dr/dy, sign) of dr/dq_local = dr/dy B."""
+        b = _reduction(self.dimension, self.nodes, self.vectors, self.angles)
+        variable, column = np.nonzero(b)
+        row = np.repeat(np.arange(self.dofs), len(column))
+        variables, columns = np.tile(variable, self.dofs), np.tile(column, self.dofs)
+        return row, columns, row * self.reduced + variables, b[variables, columns]

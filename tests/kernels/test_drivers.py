@@ -18,6 +18,7 @@ from cases import (
 )
 from derivatives import Probe
 from numpy.testing import assert_allclose
+from shell_force_checks import shell_load_cases
 
 from dismech_cli.kernels import numpy_driver
 from dismech_cli.kernels.driver import Driver
@@ -26,7 +27,7 @@ from dismech_cli.kinematics.rod_frames import edge_frame, joint_reference_twist
 from dismech_cli.model.configuration import Configuration
 from dismech_cli.model.term import BoundEnergy
 
-CASES = term_cases()
+CASES = term_cases() | shell_load_cases()
 
 
 @pytest.fixture(scope="module")

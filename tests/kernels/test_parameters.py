@@ -17,7 +17,7 @@ from shell_cases import shell
 from dismech_cli import energies, forces
 from dismech_cli.arrays import FloatArray
 from dismech_cli.energies.stretch import STRETCH
-from dismech_cli.kernels.shape import DragKernel, Kernel, Parameters
+from dismech_cli.kernels.shape import DragKernel, Kernel, LoadKernel, Parameters
 from dismech_cli.mesh.generate.sheets import hemisphere
 from dismech_cli.model.drag import DragForce
 from dismech_cli.model.stencil import StencilEnergy
@@ -50,6 +50,8 @@ CASES = cases()
 ENERGIES = {name: kernel for name, kernel in shipped(Kernel).items() if isinstance(kernel, Kernel)}
 DRAGS = {name: kernel for name, kernel in shipped(DragKernel).items() if isinstance(kernel, DragKernel)}
 
+LOADS = {name: kernel for name, kernel in shipped(LoadKernel).items() if isinstance(kernel, LoadKernel)}
+
 
 def energy(case: TermCase, term: StencilEnergy) -> float:
     """Energy of a term at a disturbed state [J]."""
@@ -70,9 +72,9 @@ def test_every_kernel_is_looked_at() -> None:
     assert set(DRAGS) == {"RESISTIVE", "RESISTIVE_PLANAR", "AERODYNAMIC"}
 
 
-@pytest.mark.parametrize("name", [*ENERGIES, *DRAGS])
+@pytest.mark.parametrize("name", [*ENERGIES, *DRAGS, *LOADS])
 def test_names_are_unique_and_naturals_come_first(name: str) -> None:
-    kernel = (ENERGIES | DRAGS)[name]
+    kernel = (ENERGIES | DRAGS | LOADS)[name]
     names = kernel.parameters.names
     assert len(set(names)) == len(names) == len(kernel.parameters)
     assert [kernel.parameters.row(one) for one in names] == list(range(len(names)))

@@ -174,15 +174,16 @@ def _check_residual(
 
 def complex_gradient(kernel: Kernel, y: FloatArray, a: FloatArray, p: FloatArray) -> FloatArray:
     """dE/dy of one stencil by complex steps: exact to round-off, no step to choose."""
-    return _complex(lambda z: [np.sum(kernel.function(z, tuple(a), tuple(p))[0])], y)[0]
+    return complex_slopes(lambda z: [np.sum(kernel.function(z, tuple(a), tuple(p))[0])], y)[0]
 
 
 def complex_hessian(kernel: Kernel, y: FloatArray, a: FloatArray, p: FloatArray) -> FloatArray:
     """Derivative of the kernel's gradient by complex steps, shape (R, R)."""
-    return _complex(lambda z: kernel.function(z, tuple(a), tuple(p))[1], y)
+    return complex_slopes(lambda z: kernel.function(z, tuple(a), tuple(p))[1], y)
 
 
-def _complex(function: Callable[[tuple[Any, ...]], Any], y: FloatArray) -> FloatArray:
+def complex_slopes(function: Callable[[tuple[Any, ...]], Any], y: FloatArray) -> FloatArray:
+    """Derivative of each result of a function of numbers to each of them, by complex steps."""
     columns = []
     for k in range(len(y)):
         h = 1e-30 * (abs(y[k]) + np.abs(y).max())

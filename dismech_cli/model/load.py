@@ -1,0 +1,72 @@
+"""From a pure load kernel to what is bound: forces without potential, scaled over time by a law."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arrays import FloatArray, IntArray
+from ..kernels.driver import Driver, LoadLoop
+from ..kernels.linearization import Linearization, Pattern
+from ..kernels.shape import LoadKernel
+from ..laws.laws import Law
+from .configuration import Configuration
+
+
+@dataclass(frozen=True, slots=True)
+class BoundLoad:
+    """A load bound to a pattern.
+
+    Attributes:
+        name: Unique name.
+        loop: Adds the force at unit scale and its tangent.
+        parameters: Constants in the order of the kernel, shape (P, S).
+        law: Scale over time [1].
+    """
+
+    name: str
+    loop: LoadLoop
+    parameters: FloatArray
+    law: Law
+
+    @classmethod
+    def of(
+        cls,
+        name: str,
+        kernel: LoadKernel,
+        dofs: IntArray,
+        parameters: Mapping[str, FloatArray | float],
+        law: Law,
+        pattern: Pattern,
+        driver: Driver,
+        auxiliaries: IntArray | None = None,
+    ) -> BoundLoad:
+        """Make the gather-evaluate-scatter loop.
+
+        Args:
+            name: Unique name.
+            kernel: The force.
+            dofs: Global DOFs of each stencil, nodes first, angles last, shape (S, D).
+            parameters: A value for each name of the kernel: numbers or arrays (S,).
+            law: Scale over time [1].
+            pattern: Where the tangent's entries live.
+            driver: Makes the loop.
+            auxiliaries: Indices into the auxiliary array of the trial frames, shape (S, A); none
+                where the kernel takes none.
+
+        Raises:
+            KeyError: A constant of the kernel is missing, or a name is none of its constants.
+        """
+        places = np.empty((len(dofs), 0), dtype=np.int64) if auxiliaries is None else auxiliaries
+        values = kernel.parameters.stack(parameters, len(dofs))
+        return cls(name, driver.load(kernel, dofs, places, pattern), values, law)
+
+    def add_residual(self, c: Configuration, r: FloatArray) -> None:
+        """Subtract the force."""
+        self.loop.add_residual(c.q, c.frames.auxiliary, self.parameters, float(self.law(c.t)), r)
+
+    def add_linearization(self, c: Configuration, into: Linearization) -> None:
+        """Subtract the force and add its tangent."""
+        self.loop.add_linearization(c.q, c.frames.auxiliary, self.parameters, float(self.law(c.t)), into)
