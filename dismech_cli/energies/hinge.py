@@ -82,7 +82,7 @@ def hinge_term(
         dofs: Numbering.
         nodes: Rest positions [m], shape (N, 3).
         hinges: Node indices (x0, x1, x2, x3), shape (H, 4).
-        stiffness: k [N m], shape (H,): see ``model.shell.hinge_stiffness``.
+        stiffness: k [N m], shape (H,): see ``sections.shells.hinge_stiffness``.
 
     Returns:
         Energy with one stencil per hinge; its natural strain (1, H) is the dihedral angle [rad].

@@ -22,7 +22,7 @@ def spring_term(
         dofs: Numbering.
         edges: Shell edges, shape (B, 2).
         lengths: Rest lengths l [m], shape (B,).
-        stiffness: k [N], shape (B,): one of ``model.shell.area_springs``, ``hinge_springs``,
+        stiffness: k [N], shape (B,): one of ``sections.shells.area_springs``, ``hinge_springs``,
             ``midedge_springs``.
 
     Returns:

@@ -231,7 +231,7 @@ def midedge_term(
 
     Returns:
         Energy with one stencil per triangle; its natural strains (3, T) are the edge angles [rad]:
-        see ``model.shell.angles_of_curvature``.
+        see ``sections.shells.angles_of_curvature``.
     """
     count = len(triangles)
     signs = face_signs.T.astype(np.float64)

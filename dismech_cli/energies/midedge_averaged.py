@@ -175,7 +175,7 @@ def midedge_averaged_term(
 
     Returns:
         Energy with one stencil per triangle; its natural strains (3, T) are the dihedral angles
-        [rad] at its sides: twice ``model.shell.angles_of_curvature``.
+        [rad] at its sides: twice ``sections.shells.angles_of_curvature``.
     """
     corners = neighbour_corners(triangles, face_edges, edge_faces)
     rim = edge_faces[face_edges][:, :, 1] < 0

@@ -15,7 +15,7 @@ def area_damping(name: str, dofs: DofMap, nodal_area: FloatArray, coefficient: f
     Args:
         name: Unique name.
         dofs: Numbering.
-        nodal_area: Rest area of each node [m^2], shape (n_nodes,); see ``model.shell.nodal_areas``.
+        nodal_area: Rest area of each node [m^2], shape (n_nodes,); see ``sections.shells.nodal_areas``.
         coefficient: eta [N s/m^3].
     """
     nodes = np.flatnonzero(nodal_area)
