@@ -29,7 +29,7 @@ def star_pattern(rods: int, nodes: int) -> SparsityPattern:
     arms = np.column_stack([np.zeros(rods, dtype=np.int64), np.arange(1, total).reshape(rods, nodes - 1)])
     joints = np.stack([arms[:, :-2], arms[:, 1:-1], arms[:, 2:]], axis=-1).reshape(-1, 3)
     coupled = dofs.of_nodes(joints).reshape(len(joints), -1)
-    return SparsityPattern.build(dofs, np.ones(dofs.n, dtype=bool), [Coupling(coupled)])
+    return SparsityPattern.build(dofs, np.ones(dofs.n, dtype=bool), [Coupling(coupled)], symmetric=True)
 
 
 def dominant(pattern: SparsityPattern) -> FloatArray:
@@ -46,12 +46,10 @@ def timings(pattern: SparsityPattern, *, seconds: float) -> dict[str, float]:
     for name, make in LINEAR_SOLVERS.items():
         if name == "dense" and pattern.m > 400:
             continue
-        solver = make()
-        solver.analyze(pattern)
+        solver = make(pattern)
 
         def action(solver=solver) -> None:
-            solver.factorize(values)
-            solver.solve(rhs)
+            solver.factorize(values).solve(rhs)
 
         actions[name] = action
     best = in_turns(list(actions.values()), seconds=seconds).min(axis=0)

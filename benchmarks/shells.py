@@ -22,7 +22,7 @@ from dismech_cli.output.writers import make_writer
 from dismech_cli.run.loop import run
 from dismech_cli.run.simulation import Simulation
 from dismech_cli.solve.linear.choice import LINEAR_SOLVERS
-from dismech_cli.solve.linear.pardiso import POSITIVE_DEFINITE, Factors
+from dismech_cli.solve.linear.pardiso import POSITIVE_DEFINITE, PardisoFactors
 from dismech_cli.solve.step import Stepper
 from dismech_cli.solve.system import System
 
@@ -49,7 +49,7 @@ def cholesky(stepper: Stepper, start: State) -> Callable[[], object]:
     pattern = stepper.system.pattern
     stage = stepper.integrator.stage(0, start, start, DT)
     values = stepper.system.linearize(stage, stage.predictor, start.frames).values[: pattern.nnz].copy()
-    factors, rhs = Factors(POSITIVE_DEFINITE, pattern), np.ones(pattern.m)
+    factors, rhs = PardisoFactors(POSITIVE_DEFINITE, pattern), np.ones(pattern.m)
 
     def action() -> None:
         if not factors.factorize(values):
@@ -105,12 +105,11 @@ def beside(simulation: Simulation, *, seconds: float) -> Aside:
     free[pattern.free] = True
     stage = stepper.integrator.stage(0, rest, rest, DT)
     values = stepper.system.linearize(stage, rest.q, rest.frames).values.copy()
-    stepper.solver.factorize(values)
+    solver = stepper.system.solver
+    solver.factorize(values)
 
     def first() -> None:
-        solver = LINEAR_SOLVERS[stepper.solver.name]()
-        solver.analyze(pattern)
-        solver.factorize(values)
+        LINEAR_SOLVERS[solver.name](pattern).factorize(values)
 
     kept = Kept()
     run(replace(simulation, grid=simulation.grid[:1]), kept)
@@ -120,7 +119,7 @@ def beside(simulation: Simulation, *, seconds: float) -> Aside:
         actions = [
             lambda: System(simulation.model, free),
             first,
-            lambda: stepper.solver.factorize(values),
+            lambda: solver.factorize(values),
             lambda: writer.write(kept.last),
         ]
         turns = in_turns(actions, seconds=seconds)

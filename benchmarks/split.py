@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from math import inf
 from typing import Any
 
+from dismech_cli.arrays import FloatArray
 from dismech_cli.kernels.driver import Driver
 from dismech_cli.model.configuration import Configuration
 from dismech_cli.model.state import State
@@ -75,6 +76,36 @@ class _Timed:
         self.split.timed("terms", self.term.add_linearization)(c, into)
 
 
+@dataclass(frozen=True)
+class _TimedSolver:
+    """A solver that books its factorisations, and the solutions with its factors."""
+
+    solver: Any
+    split: Split
+
+    @property
+    def name(self) -> str:
+        return self.solver.name
+
+    def factorize(self, values: FloatArray) -> _TimedFactors:
+        return _TimedFactors(self.split.timed("factorise", self.solver.factorize)(values), self.split)
+
+
+@dataclass(frozen=True)
+class _TimedFactors:
+    """Factors whose solutions are booked."""
+
+    factors: Any
+    split: Split
+
+    @property
+    def indefinite(self) -> bool:
+        return self.factors.indefinite
+
+    def solve(self, rhs: FloatArray) -> FloatArray:
+        return self.split.timed("solve", self.factors.solve)(rhs)
+
+
 def timed_stepper(simulation: Simulation, state: State, split: Split) -> Stepper:
     """A stepper bound at a state that books its time; it takes the steps of one that does not."""
     terms = tuple(_Timed(term, split) for term in simulation.model.terms)
@@ -83,8 +114,7 @@ def timed_stepper(simulation: Simulation, state: State, split: Split) -> Stepper
     for owner, method, part in (
         (stepper.system, "configuration", "configuration"),
         (stepper.system, "linearize", "assembly"),
-        (stepper.solver, "factorize", "factorise"),
-        (stepper.solver, "solve", "solve"),
     ):
         setattr(owner, method, split.timed(part, getattr(owner, method)))
+    stepper.system.solver = _TimedSolver(stepper.system.solver, split)
     return stepper

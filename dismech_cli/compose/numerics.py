@@ -11,7 +11,7 @@ from ..scenario.language import numerics
 from ..scenario.load import LoadedScenario
 from ..solve import integrators
 from ..solve.linear.pardiso import pardiso_available
-from ..solve.newton import NewtonSettings
+from ..solve.problem import NewtonSettings
 from ..solve.tangents import TANGENTS
 
 DRIVERS: dict[str, type[NumpyDriver] | type[NumbaDriver]] = {"numpy": NumpyDriver, "numba": NumbaDriver}

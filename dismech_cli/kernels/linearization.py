@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Protocol
 
@@ -21,6 +22,11 @@ class Coupling:
 
     dofs: IntArray
     symmetric: bool = True
+
+
+def all_symmetric(couplings: Iterable[Coupling]) -> bool:
+    """Whether all tangents are symmetric: one triangle is stored then."""
+    return all(coupling.symmetric for coupling in couplings)
 
 
 class Pattern(Protocol):

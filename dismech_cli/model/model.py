@@ -9,7 +9,7 @@ from ..kernels.driver import Driver
 from ..kinematics.dofs import DofMap
 from ..kinematics.motion import Motion
 from ..kinematics.rod_frames import Frames
-from .term import Term
+from .term import ChangingTerm, Term
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,6 +25,7 @@ class Model:
         frames: Kinematics of material frames, or their absence.
         driver: Runs the kernels.
         length: Characteristic edge length [m]: relates forces to moments in tolerances.
+        changing: Energies and forces whose stencils come and go.
     """
 
     dofs: DofMap
@@ -35,3 +36,4 @@ class Model:
     frames: Frames
     driver: Driver
     length: float
+    changing: tuple[ChangingTerm, ...] = ()

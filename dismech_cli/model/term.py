@@ -41,6 +41,48 @@ class BoundEnergy(BoundTerm, Protocol):
         """Energies [J], shape (shares, S): a row per part, a column per stencil."""
 
 
+class BoundChanging(BoundTerm, Protocol):
+    """A bound term whose stencils come and go as the robot moves; its name and shares stay."""
+
+    @property
+    def couplings(self) -> tuple[Coupling, ...]:
+        """DOF cliques of the stencils that are there now."""
+
+    def detect(self, c: Configuration) -> bool:
+        """Find the stencils at a trial point; True if their couplings changed."""
+
+    def place(self, pattern: Pattern) -> None:
+        """Look the matrix positions of the present couplings up in a pattern that has them."""
+
+    def longest_step(self, start: Configuration, end: Configuration) -> float:
+        """Part in (0, 1] of the way from ``start`` to ``end`` on which nothing passes through anything."""
+
+
+class ChangingTerm(Protocol):
+    """A physical contribution whose stencils come and go, such as contact.
+
+    Attributes:
+        velocity_dependent: Whether the residual depends on velocity.
+    """
+
+    velocity_dependent: ClassVar[bool]
+
+    @property
+    def name(self) -> str:
+        """Unique name."""
+
+    @property
+    def symmetric(self) -> bool:
+        """Whether the tangent is symmetric, whatever the stencils."""
+
+    @property
+    def spreads(self) -> bool:
+        """Whether stencils couple DOFs of different nodes, so that entries may come anywhere."""
+
+    def start(self, driver: Driver) -> BoundChanging:
+        """A bound term without stencils yet."""
+
+
 class Term(Protocol):
     """A physical contribution, before it is bound to a matrix.
 

@@ -164,6 +164,7 @@ def run(
     """
     stepper = Stepper(simulation.model, simulation.integrator, simulation.newton, simulation.linear_solver)
     account = EnergyAccount(simulation.model, simulation.roles, simulation.initial_velocity)
+    account.bind(stepper.system, 0.0)
     loop = _Loop(simulation, stepper, account, Observer(simulation, stepper, account), sink)
     if resume_from is None:
         state = _prepared(loop, stepper.rest_state(simulation.initial_velocity))
@@ -171,7 +172,7 @@ def run(
         _emit(loop, state, _at_rest(state), 0.0)
     else:
         state = _restore(loop, *resume_from)
-    announce(f"linear solver: {stepper.solver.name}, {stepper.system.pattern.m} free DOFs")
+    announce(f"linear solver: {stepper.system.solver.name}, {stepper.system.pattern.m} free DOFs")
     return _advance(loop, state, limits, stop or StopRequest())
 
 

@@ -9,7 +9,7 @@ from ..arrays import FloatArray
 from ..model.model import Model
 from ..output.frame import Topology
 from ..solve.integrators import Integrator
-from ..solve.newton import NewtonSettings
+from ..solve.problem import NewtonSettings
 from .account import Roles
 from .observables.probes import Probe
 from .observables.rod_fields import Field

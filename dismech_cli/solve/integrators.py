@@ -13,7 +13,7 @@ from typing import ClassVar, Protocol
 
 import numpy as np
 
-from ..arrays import FloatArray
+from ..arrays import FloatArray, IntArray
 from ..model.state import State
 
 
@@ -67,6 +67,33 @@ class Stage:
     def finish(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Velocity and acceleration at t_end."""
         return self.v_end[0] * q + self.v_end[1], self.a_end[0] * q + self.a_end[1]
+
+    def mean_velocity(self, before: State, q: FloatArray, dofs: IntArray) -> FloatArray:
+        """Difference quotient of some DOFs from a state before the stage to its end, shape (K,)."""
+        mean: FloatArray = (q[dofs] - before.q[dofs]) / (self.t_end - before.t)
+        return mean
+
+
+def at_state(state: State) -> Stage:
+    """Balance of forces at a state, as it moves: a stage of no duration and no inertia."""
+    zero = np.zeros_like(state.q)
+    return Stage(
+        t_stage=state.t,
+        t_end=state.t,
+        predictor=state.q,
+        weights=Weights(q=1.0, v=0.0, a=0.0),
+        q0=zero,
+        v0=state.v,
+        a0=zero,
+        v_end=(0.0, zero),
+        a_end=(0.0, zero),
+    )
+
+
+def mean_acceleration(start: State, end: State, dt: float) -> FloatArray:
+    """Difference quotient of the velocities over a step, shape (n,)."""
+    mean: FloatArray = (end.v - start.v) / dt
+    return mean
 
 
 class Integrator(Protocol):

@@ -33,6 +33,7 @@ from dismech_cli.forces.aerodynamic import aerodynamic_drag
 from dismech_cli.forces.hydrodynamic import area_damping, hydrodynamic_drag
 from dismech_cli.forces.pressure import pressure
 from dismech_cli.forces.thrust import thrust
+from dismech_cli.kernels.linearization import all_symmetric
 from dismech_cli.laws.laws import Constant
 from dismech_cli.mesh.generate.rings import hemisphere
 from dismech_cli.mesh.generate.sheets import Pattern, sheet
@@ -57,7 +58,8 @@ BENDINGS = ("midedge", "hinge", "averaged")
 def residual(model: Model, terms: tuple[Term, ...], q: FloatArray, v: FloatArray) -> FloatArray:
     """Sum of the residuals of terms with the frames of the rest shape."""
     everything = np.ones(model.dofs.n, dtype=np.bool_)
-    pattern = SparsityPattern.build(model.dofs, everything, [c for t in terms for c in t.couplings])
+    couplings = [c for t in terms for c in t.couplings]
+    pattern = SparsityPattern.build(model.dofs, everything, couplings, symmetric=all_symmetric(couplings))
     c = Configuration(0.01, q, v, model.frames.transport(model.frames.rest(model.rest), q))
     r = np.zeros(model.dofs.n)
     for term in terms:

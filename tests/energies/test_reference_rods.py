@@ -31,7 +31,7 @@ from dismech_cli.model.model import Model
 from dismech_cli.model.stencil import StencilEnergy
 from dismech_cli.sections.rods import rectangular_section, rod_properties
 from dismech_cli.solve.integrators import Static
-from dismech_cli.solve.newton import NewtonSettings
+from dismech_cli.solve.problem import NewtonSettings
 from dismech_cli.solve.status import Status
 from dismech_cli.solve.step import Stepper
 

@@ -34,14 +34,15 @@ from dismech_cli.arrays import FloatArray
 from dismech_cli.compose.compose import compose
 from dismech_cli.compose.structure.plan import Bending
 from dismech_cli.forces.follower import Faces, FollowerForce, FramedEdges, PlanarEdges
+from dismech_cli.kernels.linearization import all_symmetric
 from dismech_cli.kinematics.motion import held_dofs
 from dismech_cli.kinematics.rod_frames import FrameState, RodFrames
 from dismech_cli.laws.laws import Constant
 from dismech_cli.mesh.mesh import Mesh
 from dismech_cli.model.model import Model
 from dismech_cli.solve.integrators import Static
-from dismech_cli.solve.newton import NewtonSettings
 from dismech_cli.solve.pattern import SparsityPattern
+from dismech_cli.solve.problem import NewtonSettings
 from dismech_cli.solve.status import Status
 from dismech_cli.solve.step import Stepper
 from dismech_cli.solve.system import System
@@ -206,7 +207,8 @@ def forces_at(deck: Deck, folder: Path, turn: FloatArray | None = None) -> Float
         stored = FrameState(turn @ stored.tangent, turn @ stored.director, stored.reference_twist)
     terms = [t for t in model.terms if t.name in simulation.roles.loads]
     free = np.ones(model.dofs.n, dtype=np.bool_)
-    pattern = SparsityPattern.build(model.dofs, free, [c for t in terms for c in t.couplings])
+    couplings = [c for t in terms for c in t.couplings]
+    pattern = SparsityPattern.build(model.dofs, free, couplings, symmetric=all_symmetric(couplings))
     r = np.zeros(model.dofs.n)
     for term in terms:
         term.bind(pattern, NUMPY).add_residual(configuration(model, q, q, stored, 1.0), r)

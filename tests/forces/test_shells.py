@@ -22,7 +22,7 @@ from dismech_cli.mesh.generate.sheets import sheet
 from dismech_cli.mesh.measure import nodal_areas
 from dismech_cli.mesh.mesh import Mesh
 from dismech_cli.solve.integrators import ImplicitEuler
-from dismech_cli.solve.newton import NewtonSettings
+from dismech_cli.solve.problem import NewtonSettings
 from dismech_cli.solve.status import Status
 from dismech_cli.solve.step import Stepper
 

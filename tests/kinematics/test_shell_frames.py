@@ -22,7 +22,7 @@ from dismech_cli.mesh.generate.rings import hemisphere
 from dismech_cli.mesh.generate.sheets import Pattern, sheet
 from dismech_cli.model.model import Model
 from dismech_cli.solve.integrators import GeneralizedAlpha, Static
-from dismech_cli.solve.newton import NewtonSettings
+from dismech_cli.solve.problem import NewtonSettings
 from dismech_cli.solve.status import Status
 from dismech_cli.solve.step import Stepper
 

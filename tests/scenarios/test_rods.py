@@ -308,7 +308,7 @@ def test_a_loosely_stopped_newton_gives_the_printed_end_of_the_small_snake(monke
     """The code compared with stops at 1e-4 of the first residual and leaves out the turning of drag."""
     from dismech_cli.forces import resistive
     from dismech_cli.solve import step
-    from dismech_cli.solve.newton import NewtonResult
+    from dismech_cli.solve.result import NewtonResult
     from dismech_cli.solve.status import Status
 
     exact = resistive.RESISTIVE.function
@@ -317,15 +317,14 @@ def test_a_loosely_stopped_newton_gives_the_printed_end_of_the_small_snake(monke
         force, stiffness, damping = exact(y, u, p)
         return force, tuple(0.0 * k for k in stiffness), damping
 
-    def loosely(system, solver, stage, guess, stored, settings):
-        q, free, dt = -stage.v0 * 0.05, system.pattern.free, 0.05  # starts from the last state
+    def loosely(problem, guess):
+        q, free, dt = -problem.stage.v0 * 0.05, problem.free, 0.05  # starts from the last state
         first = None
         for _ in range(25):
-            trial = system.linearize(stage, q, stored)
+            trial = problem.linearize(q)
             size = np.linalg.norm(trial.residual[free])
             first = size if first is None else first
-            solver.factorize(trial.values)
-            change = solver.solve(-trial.residual[free])
+            change = problem.factorize(trial.values).solve(-trial.residual[free])
             q[free] += change
             if size <= 1e-4 or size < 1e-4 * first or np.abs(change).max() < 1e-2 * dt:
                 break

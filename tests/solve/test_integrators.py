@@ -37,7 +37,7 @@ from dismech_cli.solve.integrators import (
     Static,
     TrBdf2,
 )
-from dismech_cli.solve.newton import NewtonSettings
+from dismech_cli.solve.problem import NewtonSettings
 from dismech_cli.solve.status import Status
 from dismech_cli.solve.step import Stepper
 

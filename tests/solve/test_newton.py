@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -35,10 +36,13 @@ from dismech_cli.model.model import Model
 from dismech_cli.sections.rods import RodProperties, rod_properties, round_section
 from dismech_cli.solve.integrators import GeneralizedAlpha, ImplicitEuler, Stage, Static
 from dismech_cli.solve.linear import pardiso
-from dismech_cli.solve.linear.pardiso import Factors, pardiso_available
-from dismech_cli.solve.linear.solver import BandedSolver, LinearSolver
-from dismech_cli.solve.newton import NewtonResult, NewtonSettings, solve_stage
+from dismech_cli.solve.linear.banded import BandedSolver
+from dismech_cli.solve.linear.factors import Factors, LinearSolver
+from dismech_cli.solve.linear.pardiso import PardisoFactors, pardiso_available
+from dismech_cli.solve.newton import solve_stage
 from dismech_cli.solve.pattern import SparsityPattern
+from dismech_cli.solve.problem import NewtonSettings, StageProblem
+from dismech_cli.solve.result import NewtonResult
 from dismech_cli.solve.status import Status
 from dismech_cli.solve.step import Stepper
 from dismech_cli.solve.system import System
@@ -49,7 +53,7 @@ class RecordingSystem(System):
     """Notes every iterate at which the tangent is asked for."""
 
     def __init__(self, model: Model) -> None:
-        super().__init__(model, ~held_dofs(model.motions, model.dofs.n, 0.0))
+        super().__init__(model, ~held_dofs(model.motions, model.dofs.n, 0.0), "banded")
         self.iterates: list[FloatArray] = []
 
     def linearize(self, stage: Stage, q: FloatArray, stored: FrameState) -> tuple[FloatArray, FloatArray]:
@@ -58,18 +62,17 @@ class RecordingSystem(System):
 
 
 def solve(
-    model: Model, settings: NewtonSettings, solver: LinearSolver | None = None
+    model: Model, settings: NewtonSettings, make: Callable[[SparsityPattern], LinearSolver] = BandedSolver
 ) -> tuple[NewtonResult, RecordingSystem]:
     """One static load step from rest."""
     system = RecordingSystem(model)
-    solver = solver or BandedSolver()
-    solver.analyze(system.pattern)
+    system.solver = make(system.pattern)
     stepper = Stepper(model, Static(), settings, "banded")
     state = stepper.rest_state()
     stage = Static().stage(0, state, state, 1.0)
     guess = stage.predictor.copy()
     prescribe(model.motions, guess, stage.t_end)
-    return solve_stage(system, solver, stage, guess, state.frames, settings), system
+    return solve_stage(StageProblem(system, stage, state.frames, settings), guess), system
 
 
 def loaded(kind: str, gravity: float) -> Model:
@@ -156,12 +159,12 @@ def test_pattern_is_analysed_once_for_all_counts(monkeypatch: pytest.MonkeyPatch
     """A probe of stability at every step keeps its symbolic factors until the model is bound anew."""
     analysed: list[SparsityPattern] = []
 
-    class Recording(Factors):
+    class Recording(PardisoFactors):
         def __init__(self, kind: int, pattern: SparsityPattern) -> None:
             analysed.append(pattern)
             super().__init__(kind, pattern)
 
-    monkeypatch.setattr(pardiso, "Factors", Recording)
+    monkeypatch.setattr(pardiso, "PardisoFactors", Recording)
     model = massless(clamped(cantilever("planar", nodes=400), (399,)))
     *held, end = model.motions
     model = replace(model, motions=(*held, replace(end, release=1.0)))
@@ -300,12 +303,13 @@ def test_nan_in_a_load_is_named(kind: str) -> None:
 class CountingSolver(BandedSolver):
     """Counts the matrices it is given."""
 
-    def __init__(self) -> None:
+    def __init__(self, pattern: SparsityPattern) -> None:
+        super().__init__(pattern)
         self.factorisations = 0
 
-    def factorize(self, values: FloatArray) -> None:
+    def factorize(self, values: FloatArray) -> Factors:
         self.factorisations += 1
-        super().factorize(values)
+        return super().factorize(values)
 
 
 @pytest.mark.parametrize(("degrees", "projection"), [(90.0, "none"), (178.0, "none"), (178.0, "indefinite")])
@@ -313,15 +317,13 @@ def test_iterations_are_one_budget(degrees: float, projection: str) -> None:
     """Full steps, line search and projections draw from it; it ends their way and does not bend it."""
     model = _push(cantilever("planar"), np.array([degrees]))
     settings = NewtonSettings(factorize=TANGENTS[projection])
-    solver = CountingSolver()
-    whole, _ = solve(model, settings, solver)
+    whole, system = solve(model, settings, CountingSolver)
     needed = whole.iterations
     assert whole.status is Status.CONVERGED
-    assert needed == solver.factorisations
+    assert needed == system.solver.factorisations
     for allowed in (1, 5, 20, needed - 1, needed, needed + 1):
-        solver = CountingSolver()
-        result, _ = solve(model, replace(settings, max_iterations=allowed), solver)
-        assert result.iterations == solver.factorisations == min(allowed, needed)
+        result, system = solve(model, replace(settings, max_iterations=allowed), CountingSolver)
+        assert result.iterations == system.solver.factorisations == min(allowed, needed)
         assert result.status is (Status.CONVERGED if allowed >= needed else Status.MAX_ITERATIONS)
         if allowed >= needed:
             assert_array_equal(result.q, whole.q)
@@ -331,9 +333,8 @@ def test_iterations_are_one_budget(degrees: float, projection: str) -> None:
 def test_shifts_draw_from_the_budget(allowed: int) -> None:
     """Nothing holds this rod: the full step finds it singular, then the diagonal is raised."""
     model = massless(weighted(isotropic_rod(*straight(6), SILICONE), (0.0, 0.0, -9.81), Constant(1.0)))
-    solver = CountingSolver()
-    result, _ = solve(model, NewtonSettings(max_iterations=allowed), solver)
-    assert result.iterations == solver.factorisations == allowed
+    result, system = solve(model, NewtonSettings(max_iterations=allowed), CountingSolver)
+    assert result.iterations == system.solver.factorisations == allowed
     assert result.status is Status.FACTORIZATION_FAILED
 
 

@@ -20,7 +20,7 @@ from derivatives import dense
 from numpy.testing import assert_array_equal
 
 from dismech_cli.arrays import BoolArray
-from dismech_cli.kernels.linearization import Coupling
+from dismech_cli.kernels.linearization import Coupling, all_symmetric
 from dismech_cli.kinematics.dofs import DofMap
 from dismech_cli.kinematics.motion import held_dofs
 from dismech_cli.model.model import Model
@@ -29,7 +29,8 @@ from dismech_cli.solve.pattern import SparsityPattern
 
 def pattern_of(model: Model, free: BoolArray | None = None) -> SparsityPattern:
     free = np.ones(model.dofs.n, dtype=bool) if free is None else free
-    return SparsityPattern.build(model.dofs, free, [c for t in model.terms for c in t.couplings])
+    couplings = [c for t in model.terms for c in t.couplings]
+    return SparsityPattern.build(model.dofs, free, couplings, symmetric=all_symmetric(couplings))
 
 
 @pytest.mark.parametrize(("kind", "width"), [("planar", 5), ("isotropic", 8), ("framed", 10)])
@@ -95,7 +96,9 @@ def test_structure_is_the_union_of_all_cliques(shape: tuple) -> None:
 def test_diagonal_is_always_present() -> None:
     """Mass sits there even where no term couples a DOF."""
     dofs = DofMap(3, 0, (0, 1, 2), 3)
-    pattern = SparsityPattern.build(dofs, np.ones(9, dtype=bool), [Coupling(np.array([[0, 4]]))])
+    pattern = SparsityPattern.build(
+        dofs, np.ones(9, dtype=bool), [Coupling(np.array([[0, 4]]))], symmetric=True
+    )
     assert_array_equal(pattern.indices[pattern.diagonal], np.arange(9))
     assert pattern.nnz == 10
 
@@ -120,7 +123,9 @@ def test_one_unsymmetric_term_stores_both_triangles() -> None:
     case = term_cases()["resistive"]
     model = case.model
     couplings = [c for t in (*model.terms, case.term) for c in t.couplings]
-    pattern = SparsityPattern.build(model.dofs, np.ones(model.dofs.n, dtype=bool), couplings)
+    pattern = SparsityPattern.build(
+        model.dofs, np.ones(model.dofs.n, dtype=bool), couplings, symmetric=all_symmetric(couplings)
+    )
     assert not pattern.symmetric
     lower, upper = pattern.mirror()
     assert len(lower) == (pattern.nnz - pattern.m) // 2

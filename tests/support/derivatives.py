@@ -12,7 +12,7 @@ from order import assert_remainder
 
 from dismech_cli.arrays import FloatArray
 from dismech_cli.kernels.driver import Driver
-from dismech_cli.kernels.linearization import Linearization
+from dismech_cli.kernels.linearization import Linearization, all_symmetric
 from dismech_cli.kernels.shape import Kernel
 from dismech_cli.model.configuration import Configuration
 from dismech_cli.model.model import Model
@@ -40,7 +40,9 @@ class Probe:
     @classmethod
     def of(cls, term: Term, model: Model, driver: Driver) -> Probe:
         free = np.ones(model.dofs.n, dtype=bool)
-        pattern = SparsityPattern.build(model.dofs, free, term.couplings)
+        pattern = SparsityPattern.build(
+            model.dofs, free, term.couplings, symmetric=all_symmetric(term.couplings)
+        )
         return cls(pattern, term.bind(pattern, driver))
 
     def energy(self, c: Configuration) -> float:

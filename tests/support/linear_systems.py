@@ -23,7 +23,9 @@ SOLVERS = [
 
 def pattern_of(model: Model, *, symmetric: bool) -> SparsityPattern:
     couplings = [Coupling(c.dofs, symmetric) for t in model.terms for c in t.couplings]
-    return SparsityPattern.build(model.dofs, np.ones(model.dofs.n, dtype=bool), couplings)
+    return SparsityPattern.build(
+        model.dofs, np.ones(model.dofs.n, dtype=bool), couplings, symmetric=symmetric
+    )
 
 
 def system(kind: str, model: Model, seed: int = 0) -> tuple[SparsityPattern, FloatArray]:

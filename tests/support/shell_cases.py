@@ -132,12 +132,13 @@ def linear_solution(made: Shell, free: BoolArray, force: FloatArray) -> FloatArr
     from scipy.sparse import triu
     from scipy.sparse.linalg import spsolve
 
-    from dismech_cli.kernels.linearization import Linearization
+    from dismech_cli.kernels.linearization import Linearization, all_symmetric
     from dismech_cli.model.configuration import Configuration
     from dismech_cli.solve.pattern import SparsityPattern
 
     model = made.model
-    pattern = SparsityPattern.build(model.dofs, free, [c for t in model.terms for c in t.couplings])
+    couplings = [c for t in model.terms for c in t.couplings]
+    pattern = SparsityPattern.build(model.dofs, free, couplings, symmetric=all_symmetric(couplings))
     into = Linearization.of(model.dofs.n, pattern.slots)
     at = model.frames.transport(model.frames.rest(model.rest), model.rest)
     c = Configuration(0.0, model.rest, np.zeros(model.dofs.n), at)

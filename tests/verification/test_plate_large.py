@@ -15,7 +15,7 @@ from dismech_cli.kinematics.motion import Motion
 from dismech_cli.laws.laws import Constant, Ramp
 from dismech_cli.mesh.generate.sheets import Pattern, sheet
 from dismech_cli.solve.integrators import Static
-from dismech_cli.solve.newton import NewtonSettings
+from dismech_cli.solve.problem import NewtonSettings
 from dismech_cli.solve.status import Status
 from dismech_cli.solve.step import Stepper
 

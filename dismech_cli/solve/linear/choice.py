@@ -5,10 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from ..pattern import SparsityPattern
+from .banded import BandedSolver
+from .dense import DenseSolver
+from .factors import LinearSolver
 from .pardiso import PardisoSolver, pardiso_available
-from .solver import BandedSolver, DenseSolver, LinearSolver, SuperLuSolver
+from .superlu import SuperLuSolver
 
-LINEAR_SOLVERS: dict[str, Callable[[], LinearSolver]] = {
+LINEAR_SOLVERS: dict[str, Callable[[SparsityPattern], LinearSolver]] = {
     "dense": DenseSolver,
     "banded": BandedSolver,
     "pardiso": PardisoSolver,
@@ -21,10 +24,15 @@ DENSE_LIMIT = 8
 BAND_LIMIT = 40
 
 
-def choose_solver(pattern: SparsityPattern) -> str:
-    """Name of the fastest solver for a pattern."""
+def choose_solver(pattern: SparsityPattern, *, spreads: bool = False) -> str:
+    """Name of the fastest solver for a pattern.
+
+    Args:
+        pattern: The pattern.
+        spreads: Whether entries anywhere in the matrix may join it during a run, which no band can take.
+    """
     if pattern.m <= DENSE_LIMIT:
         return "dense"
-    if pattern.bandwidth <= BAND_LIMIT:
+    if pattern.bandwidth <= BAND_LIMIT and not spreads:
         return "banded"
     return "pardiso" if pardiso_available() else "superlu"

@@ -9,17 +9,18 @@ from __future__ import annotations
 import ctypes
 import weakref
 from functools import cache
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
 from ...arrays import FloatArray
 from ..pattern import SparsityPattern
-from .solver import FactorizationError, checked
+from .factors import FactorizationError, checked
 
 # Below this order minimum degree gives factors no larger than nested dissection, and finds them sooner
 # (benchmarks/shells.py: 2.2 ms instead of 2.5 ms at 1500 DOFs, 80 ms instead of 67 ms at 15 000).
 _SMALL = 5000
+_PLAIN, _TRANSPOSED = 0, 2  # values of iparm(12)
 _MINIMUM_DEGREE, _NESTED_DISSECTION = 0, 2
 _ANALYSE, _FACTORISE, _SOLVE, _RELEASE = 11, 22, 33, -1
 POSITIVE_DEFINITE, _INDEFINITE, _UNSYMMETRIC = 2, -2, 11
@@ -48,40 +49,28 @@ def pardiso_available() -> bool:
 class PardisoSolver:
     """Symbolic analysis once per pattern, symmetric factorisation where the matrix is symmetric.
 
-    A symmetric matrix is taken as positive definite; where that fails, as indefinite.
+    A symmetric matrix is taken as positive definite; where that fails, as indefinite. Each type is
+    analysed when it first occurs.
     """
 
-    name = "pardiso"
+    name: ClassVar[str] = "pardiso"
 
-    def analyze(self, pattern: SparsityPattern) -> None:
-        """Keep the pattern; each matrix type is analysed when it first occurs."""
+    def __init__(self, pattern: SparsityPattern) -> None:
         self._pattern = pattern
         self._kinds = (POSITIVE_DEFINITE, _INDEFINITE) if pattern.symmetric else (_UNSYMMETRIC,)
-        self._handles: dict[int, Factors] = {}
+        self._handles: dict[int, PardisoFactors] = {}
 
-    def factorize(self, values: FloatArray) -> None:
+    def factorize(self, values: FloatArray) -> PardisoFactors:
         """Factorise; raise :class:`FactorizationError` if every matrix type fails."""
         stored = values[: self._pattern.nnz]
         if not np.isfinite(stored).all():
             raise FactorizationError("the matrix is not finite")
         for kind in self._kinds:
             if kind not in self._handles:
-                self._handles[kind] = Factors(kind, self._pattern)
-            self._active = self._handles[kind]
-            self._kind = kind
-            if self._active.factorize(stored):
-                return
+                self._handles[kind] = PardisoFactors(kind, self._pattern)
+            if self._handles[kind].factorize(stored):
+                return self._handles[kind]
         raise FactorizationError("PARDISO met a zero pivot: some part is free to move")
-
-    @property
-    def indefinite(self) -> bool:
-        """Cholesky's method failed."""
-        return self._kind == _INDEFINITE
-
-    def solve(self, rhs: FloatArray) -> FloatArray:
-        """Solve with the last factors."""
-        handle = self._active
-        return checked(rhs, handle.solve(rhs), handle.product, handle.solve)
 
 
 class InertiaCounter:
@@ -89,7 +78,7 @@ class InertiaCounter:
 
     def __init__(self, pattern: SparsityPattern) -> None:
         self._nnz = pattern.nnz
-        self._handle = Factors(_INDEFINITE, pattern)
+        self._handle = PardisoFactors(_INDEFINITE, pattern)
 
     def count(self, values: FloatArray) -> int:
         """Number of negative eigenvalues; raise :class:`FactorizationError` if singular."""
@@ -98,7 +87,7 @@ class InertiaCounter:
         return self._handle.negative_eigenvalues
 
 
-class Factors:
+class PardisoFactors:
     """One PARDISO instance: one pattern, one matrix type, analysed at the first matrix."""
 
     def __init__(self, kind: int, pattern: SparsityPattern) -> None:
@@ -132,16 +121,30 @@ class Factors:
             self._analysed = True
         return self._call(_FACTORISE) == 0
 
+    @property
+    def indefinite(self) -> bool:
+        """Cholesky's method failed."""
+        return self._kind == _INDEFINITE
+
     def solve(self, rhs: FloatArray) -> FloatArray:
-        """Solve with the last factors, unchecked."""
+        """Solve with the last factors."""
+        return checked(rhs, lambda b: self._solve(b, _PLAIN), self._product)
+
+    def solve_transposed(self, rhs: FloatArray) -> FloatArray:
+        """Solve with the last factors, transposed."""
+        if self._kind != _UNSYMMETRIC:
+            return self.solve(rhs)
+        return checked(rhs, lambda b: self._solve(b, _TRANSPOSED), lambda x: self._transposed @ x)
+
+    def _solve(self, rhs: FloatArray, side: int) -> FloatArray:
         b = np.ascontiguousarray(rhs)
         x = np.empty_like(b)
+        self._iparm[11] = side
         if self._call(_SOLVE, b, x) != 0:
             raise FactorizationError("PARDISO could not solve with its factors")
         return x
 
-    def product(self, x: FloatArray) -> FloatArray:
-        """The matrix times x."""
+    def _product(self, x: FloatArray) -> FloatArray:
         y: FloatArray = self._matrix @ x
         if self._kind != _UNSYMMETRIC:
             y += self._transposed @ x

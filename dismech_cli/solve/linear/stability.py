@@ -10,8 +10,8 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ..pattern import SparsityPattern
+from .factors import FactorizationError
 from .pardiso import InertiaCounter, pardiso_available
-from .solver import FactorizationError
 
 # Up to this order the full matrix is factorised within a millisecond; MKL takes half a second to load.
 _DENSE_LIMIT = 500

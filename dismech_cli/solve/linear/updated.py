@@ -1,0 +1,48 @@
+"""Factors of a matrix with an update of low rank, A + columns rows^T (Woodbury)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...arrays import FloatArray
+from .factors import FactorizationError, Factors, Linear
+
+
+@dataclass(frozen=True, slots=True)
+class UpdatedFactors:
+    """Factors of A and an update of k columns, few.
+
+    Attributes:
+        factors: Those of A.
+        columns: shape (m, k).
+        rows: shape (m, k).
+    """
+
+    factors: Factors
+    columns: FloatArray
+    rows: FloatArray
+
+    @property
+    def indefinite(self) -> bool:
+        """Never known: the update is not symmetric."""
+        return False
+
+    def solve(self, rhs: FloatArray) -> FloatArray:
+        """Solve (A + columns rows^T) x = rhs."""
+        return _woodbury(self.factors.solve, self.columns, self.rows, rhs)
+
+    def solve_transposed(self, rhs: FloatArray) -> FloatArray:
+        """Solve (A^T + rows columns^T) x = rhs."""
+        return _woodbury(self.factors.solve_transposed, self.rows, self.columns, rhs)
+
+
+def _woodbury(solve: Linear, columns: FloatArray, rows: FloatArray, rhs: FloatArray) -> FloatArray:
+    x = solve(rhs)
+    z = np.stack([solve(column) for column in columns.T], axis=1)
+    try:
+        weights = np.linalg.solve(np.eye(columns.shape[1]) + rows.T @ z, rows.T @ x)
+    except np.linalg.LinAlgError as error:
+        raise FactorizationError(str(error)) from error
+    return np.asarray(x - z @ weights)

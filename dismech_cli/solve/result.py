@@ -1,0 +1,46 @@
+"""Outcome of one nonlinear solve."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arrays import FloatArray
+from .problem import StageProblem
+from .status import Status
+from .system import Linearized
+
+
+@dataclass(frozen=True, slots=True)
+class NewtonResult:
+    """Outcome of one nonlinear solve.
+
+    Attributes:
+        q: Solution, or the last iterate.
+        residual: Full residual (n,) at ``q``: reactions on held DOFs.
+        status: How it ended.
+        iterations: Factorisations done, those of shifted and of projected tangents included.
+        residual_norm: Largest free residual [N].
+        worst: Global index of the DOF with the largest residual, or -1.
+    """
+
+    q: FloatArray
+    residual: FloatArray
+    status: Status
+    iterations: int
+    residual_norm: float
+    worst: int
+
+
+def done(problem: StageProblem, q: FloatArray, now: Linearized) -> NewtonResult:
+    """Balance at ``q``."""
+    largest = float(np.abs(now.residual[problem.free]).max(initial=0.0))
+    return NewtonResult(q, now.residual.copy(), Status.CONVERGED, problem.spent, largest, -1)
+
+
+def failed(problem: StageProblem, q: FloatArray, now: Linearized, status: Status) -> NewtonResult:
+    """The last iterate, and where it is worst."""
+    r = np.abs(now.residual[problem.free])
+    worst = int(problem.free[int(np.argmax(np.where(np.isfinite(r), r, np.inf)))]) if r.size else -1
+    return NewtonResult(q, now.residual.copy(), status, problem.spent, float(r.max(initial=0.0)), worst)
