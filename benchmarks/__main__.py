@@ -21,6 +21,7 @@ SECTIONS = (
     "bending",
     "run_loop",
     "linear_solvers",
+    "overlay",
     "integrators",
     "other_code",
     "start_up",

@@ -8,7 +8,7 @@ from .scenes import built
 
 EDGE = 5e-3  # length of an edge [m]
 # Divisions of a square sheet of equilateral triangles that give about so many triangles.
-DIVISIONS = {1000: 21, 10_000: 66, 50_000: 147}
+DIVISIONS = {1000: 21, 10_000: 66, 20_000: 93, 50_000: 147}
 
 
 def sheet(triangles: int, *, bending: str, **numerics: object) -> Simulation:

@@ -131,42 +131,48 @@ class SparsityPattern:
     def extended(self, couplings: Iterable[Coupling]) -> Extension:
         """The pattern with more couplings, in the same order of DOFs."""
         wanted = self._entries(couplings)
-        place = np.searchsorted(self.keys, wanted)
-        known = np.append(self.keys, -1)[place] == wanted
-        new, before = wanted[~known], place[~known]
-        slots = np.arange(self.nnz) + np.cumsum(np.bincount(before, minlength=self.nnz + 1))[:-1]
-        key = np.empty(self.nnz + len(new), dtype=np.int64)
-        key[slots] = self.keys
-        key[before + np.arange(len(new))] = new
-        indptr, indices, diagonal = _compressed(key, self.m)
-        pattern = replace(self, keys=key, indptr=indptr, indices=indices, diagonal=diagonal)
-        return Extension(pattern, np.append(slots, pattern.nnz), wanted)
+        both = np.concatenate((self.keys, wanted))
+        # two ascending pieces: a stable sort merges them; of equal keys that of the base comes first
+        merged = np.argsort(both, kind="stable")
+        ordered = both[merged]
+        new = np.ones(len(both), dtype=np.bool_)
+        np.not_equal(ordered[1:], ordered[:-1], out=new[1:])
+        slots = np.empty(len(both), dtype=np.int64)
+        slots[merged] = np.cumsum(new) - 1
+        keys = ordered[new]
+        indptr, indices, diagonal = _compressed(keys, self.m)
+        pattern = replace(self, keys=keys, indptr=indptr, indices=indices, diagonal=diagonal)
+        return Extension(pattern, np.append(slots[: self.nnz], pattern.nnz), slots[self.nnz :], wanted)
 
     def _entries(self, couplings: Iterable[Coupling]) -> IntArray:
         """Keys of all entries of cliques, ascending: pairs of blocks first, which are far fewer."""
-        count = int(self.block[-1]) + 1 if len(self.block) else 0
-        pairs = [np.empty(0, dtype=np.int64)]
+        m = max(self.m, 1)
+        # a block is known by the place of its first free DOF; the DOFs of a block follow each other
+        order = np.where(self.order < 0, m, self.order)
+        begin = np.flatnonzero(np.diff(self.block, prepend=-1))
+        start = np.minimum.reduceat(order, begin)[self.block] if len(order) else order
+        width = np.bincount(start[self.free], minlength=m)
+        found = [np.empty(0, dtype=np.int64)]
         for coupling in couplings:
-            blocks = self.block[coupling.dofs]
-            blocks = blocks[:, np.append(True, (np.diff(blocks, axis=1) != 0).any(axis=0))]
-            i, j = np.triu_indices(blocks.shape[1])
-            low, high = np.minimum(blocks[:, i], blocks[:, j]), np.maximum(blocks[:, i], blocks[:, j])
-            pairs.append(_distinct((low * count + high).reshape(-1)))
-        one, other = np.divmod(_distinct(np.concatenate(pairs)), max(count, 1))
-        # matrix indices of the free DOFs of each block, -1 where there are no more
-        width = int(np.bincount(self.block).max(initial=1))
-        members = np.full((count, width), -1, dtype=np.int64)
-        first = np.searchsorted(self.block, np.arange(count))
-        members[self.block, np.arange(len(self.block)) - first[self.block]] = self.order
-        a, b = np.broadcast_arrays(members[one][:, :, None], members[other][:, None, :])
-        a, b = a.reshape(-1), b.reshape(-1)
-        keep = (a >= 0) & (b >= 0)
-        a, b = a[keep], b[keep]
-        upper = _distinct(np.minimum(a, b) * self.m + np.maximum(a, b))
+            blocks = self.block[coupling.dofs[:1]]
+            one_each = np.flatnonzero(np.diff(blocks, axis=1, prepend=-1).any(axis=0))
+            places = start[coupling.dofs[:, one_each]]
+            i, j = np.triu_indices(len(one_each))
+            low, high = np.minimum(places[:, i], places[:, j]), np.maximum(places[:, i], places[:, j])
+            found.append((low * m + high)[high < m])
+        a, b = np.divmod(_distinct(np.concatenate(found)), m)
+        columns = np.arange(width.max(initial=1))
+        upper = []
+        for row in columns.tolist():
+            # ascending for each row of the blocks: what follows merges a few sorted pieces
+            there = (row < width[a])[:, None] & (columns < width[b][:, None])
+            there &= (a != b)[:, None] | (columns >= row)
+            upper.append((((a + row) * m + b)[:, None] + columns)[there])
+        entries = np.sort(np.concatenate(upper), kind="stable")
         if self.symmetric:
-            return upper
-        a, b = np.divmod(upper, max(self.m, 1))
-        return _distinct(np.concatenate((upper, b * self.m + a)))
+            return entries
+        a, b = np.divmod(entries, m)
+        return _distinct(np.concatenate((entries, b * m + a)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -176,11 +182,13 @@ class Extension:
     Attributes:
         pattern: The larger one.
         base_slots: Slot in it of each slot of the smaller one, the spare one included.
-        entries: Keys of all entries that the extension was made for, ascending.
+        entry_slots: Slot in it of each entry that the extension was made for.
+        entries: Keys of these entries, ascending.
     """
 
     pattern: SparsityPattern
     base_slots: IntArray
+    entry_slots: IntArray
     entries: IntArray
 
     def mirror(self) -> tuple[IntArray, IntArray]:
@@ -188,9 +196,8 @@ class Extension:
         m = max(self.pattern.m, 1)
         rows, columns = np.divmod(self.entries, m)
         lower = rows > columns
-        keys = self.pattern.keys
         transposed = columns[lower] * m + rows[lower]
-        return np.searchsorted(keys, self.entries[lower]), np.searchsorted(keys, transposed)
+        return self.entry_slots[lower], np.searchsorted(self.pattern.keys, transposed)
 
 
 def _compressed(keys: IntArray, m: int) -> tuple[IntArray, IntArray, IntArray]:
