@@ -18,7 +18,7 @@ from dismech_cli import energies, forces
 from dismech_cli.arrays import FloatArray
 from dismech_cli.energies.stretch import STRETCH
 from dismech_cli.kernels.shape import DragKernel, Kernel, LoadKernel, Parameters
-from dismech_cli.mesh.generate.sheets import hemisphere
+from dismech_cli.mesh.generate.rings import hemisphere
 from dismech_cli.model.drag import DragForce
 from dismech_cli.model.stencil import StencilEnergy
 
