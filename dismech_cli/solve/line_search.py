@@ -7,11 +7,11 @@ from math import isfinite
 import numpy as np
 
 from ..arrays import FloatArray
+from .assembly import Linearized
 from .linear.factors import FactorizationError, Factors
 from .problem import ExhaustedError, StageProblem
 from .result import NewtonResult, done, failed
 from .status import Status
-from .system import Linearized
 
 # Armijo's constant and the shortest step.
 _ARMIJO, _SHORTEST = 1e-4, 2.0**-20

@@ -125,12 +125,12 @@ class SparsityPattern:
 
     def holds(self, couplings: Iterable[Coupling]) -> bool:
         """Whether every entry of these couplings is stored."""
-        wanted = self._entries(couplings)
+        wanted = _entries(self, couplings)
         return bool((np.append(self.keys, -1)[np.searchsorted(self.keys, wanted)] == wanted).all())
 
     def extended(self, couplings: Iterable[Coupling]) -> Extension:
         """The pattern with more couplings, in the same order of DOFs."""
-        wanted = self._entries(couplings)
+        wanted = _entries(self, couplings)
         both = np.concatenate((self.keys, wanted))
         # two ascending pieces: a stable sort merges them; of equal keys that of the base comes first
         merged = np.argsort(both, kind="stable")
@@ -143,36 +143,6 @@ class SparsityPattern:
         indptr, indices, diagonal = _compressed(keys, self.m)
         pattern = replace(self, keys=keys, indptr=indptr, indices=indices, diagonal=diagonal)
         return Extension(pattern, np.append(slots[: self.nnz], pattern.nnz), slots[self.nnz :], wanted)
-
-    def _entries(self, couplings: Iterable[Coupling]) -> IntArray:
-        """Keys of all entries of cliques, ascending: pairs of blocks first, which are far fewer."""
-        m = max(self.m, 1)
-        # a block is known by the place of its first free DOF; the DOFs of a block follow each other
-        order = np.where(self.order < 0, m, self.order)
-        begin = np.flatnonzero(np.diff(self.block, prepend=-1))
-        start = np.minimum.reduceat(order, begin)[self.block] if len(order) else order
-        width = np.bincount(start[self.free], minlength=m)
-        found = [np.empty(0, dtype=np.int64)]
-        for coupling in couplings:
-            blocks = self.block[coupling.dofs[:1]]
-            one_each = np.flatnonzero(np.diff(blocks, axis=1, prepend=-1).any(axis=0))
-            places = start[coupling.dofs[:, one_each]]
-            i, j = np.triu_indices(len(one_each))
-            low, high = np.minimum(places[:, i], places[:, j]), np.maximum(places[:, i], places[:, j])
-            found.append((low * m + high)[high < m])
-        a, b = np.divmod(_distinct(np.concatenate(found)), m)
-        columns = np.arange(width.max(initial=1))
-        upper = []
-        for row in columns.tolist():
-            # ascending for each row of the blocks: what follows merges a few sorted pieces
-            there = (row < width[a])[:, None] & (columns < width[b][:, None])
-            there &= (a != b)[:, None] | (columns >= row)
-            upper.append((((a + row) * m + b)[:, None] + columns)[there])
-        entries = np.sort(np.concatenate(upper), kind="stable")
-        if self.symmetric:
-            return entries
-        a, b = np.divmod(entries, m)
-        return _distinct(np.concatenate((entries, b * m + a)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -198,6 +168,37 @@ class Extension:
         lower = rows > columns
         transposed = columns[lower] * m + rows[lower]
         return self.entry_slots[lower], np.searchsorted(self.pattern.keys, transposed)
+
+
+def _entries(pattern: SparsityPattern, couplings: Iterable[Coupling]) -> IntArray:
+    """Keys of all entries of cliques, ascending: pairs of blocks first, which are far fewer."""
+    m = max(pattern.m, 1)
+    # a block is known by the place of its first free DOF; the DOFs of a block follow each other
+    order = np.where(pattern.order < 0, m, pattern.order)
+    begin = np.flatnonzero(np.diff(pattern.block, prepend=-1))
+    start = np.minimum.reduceat(order, begin)[pattern.block] if len(order) else order
+    width = np.bincount(start[pattern.free], minlength=m)
+    found = [np.empty(0, dtype=np.int64)]
+    for coupling in couplings:
+        blocks = pattern.block[coupling.dofs[:1]]
+        one_each = np.flatnonzero(np.diff(blocks, axis=1, prepend=-1).any(axis=0))
+        places = start[coupling.dofs[:, one_each]]
+        i, j = np.triu_indices(len(one_each))
+        low, high = np.minimum(places[:, i], places[:, j]), np.maximum(places[:, i], places[:, j])
+        found.append((low * m + high)[high < m])
+    a, b = np.divmod(_distinct(np.concatenate(found)), m)
+    columns = np.arange(width.max(initial=1))
+    upper = []
+    for row in columns.tolist():
+        # ascending for each row of the blocks: what follows merges a few sorted pieces
+        there = (row < width[a])[:, None] & (columns < width[b][:, None])
+        there &= (a != b)[:, None] | (columns >= row)
+        upper.append((((a + row) * m + b)[:, None] + columns)[there])
+    entries = np.sort(np.concatenate(upper), kind="stable")
+    if pattern.symmetric:
+        return entries
+    a, b = np.divmod(entries, m)
+    return _distinct(np.concatenate((entries, b * m + a)))
 
 
 def _compressed(keys: IntArray, m: int) -> tuple[IntArray, IntArray, IntArray]:

@@ -9,10 +9,11 @@ from typing import TypeAlias
 
 from ..arrays import FloatArray, IntArray
 from ..kinematics.rod_frames import FrameState
+from .assembly import Linearized
 from .integrators import Stage
 from .linear.factors import Factors
 from .linear.updated import UpdatedFactors
-from .system import Linearized, System
+from .system import System
 
 
 class ExhaustedError(Exception):

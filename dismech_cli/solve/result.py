@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import FloatArray
+from .assembly import Linearized
 from .problem import StageProblem
 from .status import Status
-from .system import Linearized
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from ..arrays import FloatArray
+from .assembly import Linearized
 from .problem import Factorize, StageProblem, Tangent, exact
-from .system import Linearized
 
 
 def projected_where_indefinite(problem: StageProblem, q: FloatArray, now: Linearized) -> Tangent:
