@@ -9,6 +9,8 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
+from scipy.linalg.blas import dgbmv, dsbmv
+from scipy.linalg.lapack import dgbtrf, dgbtrs, dpbtrf, dpbtrs
 
 from ...arrays import FloatArray, IntArray
 from ..pattern import SparsityPattern
@@ -38,8 +40,6 @@ class BandedSolver:
 
     def factorize(self, values: FloatArray) -> Factors:
         """Fill the band and factorise it."""
-        from scipy.linalg.lapack import dpbtrf
-
         p = self._pattern
         if p.symmetric:
             self._lower[self._lower_place] = values[: p.nnz]
@@ -49,8 +49,6 @@ class BandedSolver:
         return self._factorize_lu(values)
 
     def _factorize_lu(self, values: FloatArray) -> Factors:
-        from scipy.linalg.lapack import dgbtrf
-
         p, u = self._pattern, self._width
         if self._full is None:
             self._full = np.zeros((3 * u + 1) * p.m)
@@ -80,14 +78,10 @@ class CholeskyFactors:
     solve_transposed = solve
 
     def _solve(self, rhs: FloatArray) -> FloatArray:
-        from scipy.linalg.lapack import dpbtrs
-
         x: FloatArray = dpbtrs(self.factor, rhs, lower=1)[0]
         return x
 
     def _product(self, x: FloatArray) -> FloatArray:
-        from scipy.linalg.blas import dsbmv
-
         y: FloatArray = dsbmv(self.width, 1.0, self.band, x, lower=1)
         return y
 
@@ -124,14 +118,10 @@ class BandedFactors:
         return checked(rhs, lambda b: self._solve(b, 1), lambda x: self._product(x, 1))
 
     def _solve(self, rhs: FloatArray, trans: int) -> FloatArray:
-        from scipy.linalg.lapack import dgbtrs
-
         x: FloatArray = dgbtrs(self.lu, self.width, self.width, rhs, self.pivots, trans=trans)[0]
         return x
 
     def _product(self, x: FloatArray, trans: int = 0) -> FloatArray:
-        from scipy.linalg.blas import dgbmv, dsbmv
-
         m, u = len(x), self.width
         y: FloatArray
         if self.band is not None:

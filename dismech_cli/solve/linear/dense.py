@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
+from scipy.linalg.lapack import dgetrf, dgetrs
 
 from ...arrays import FloatArray, IntArray
 from ..pattern import SparsityPattern
@@ -24,8 +25,6 @@ class DenseSolver:
 
     def factorize(self, values: FloatArray) -> DenseFactors:
         """Fill the matrix and factorise it."""
-        from scipy.linalg.lapack import dgetrf
-
         p = self._pattern
         self._matrix[self._rows, p.indices] = values[: p.nnz]
         if p.symmetric:
@@ -59,7 +58,5 @@ class DenseFactors:
         return checked(rhs, lambda b: self._solve(b, 1), lambda x: self.matrix.T @ x)
 
     def _solve(self, rhs: FloatArray, trans: int) -> FloatArray:
-        from scipy.linalg.lapack import dgetrs
-
         x: FloatArray = dgetrs(self.lu, self.pivots, rhs, trans=trans)[0]
         return x
