@@ -9,8 +9,9 @@ import numpy as np
 
 from dismech_cli.arrays import FloatArray
 from dismech_cli.output.frame import Frame
-from dismech_cli.run.loop import Progress, run
+from dismech_cli.run.loop import run
 from dismech_cli.run.simulation import Simulation
+from dismech_cli.run.sink import Progress
 
 from .clock import in_turns
 from .newton_iteration import DT, advance
@@ -63,7 +64,7 @@ def overhead(simulation: Simulation, *, seconds: float) -> float:
     def bare() -> None:
         stepper = stepper_of(simulation)
         state = stepper.prepare(stepper.rest_state())
-        for t in simulation.grid[1:].tolist():
+        for t in simulation.control.grid[1:].tolist():
             state, _ = advance(stepper, state, t - state.t, 1)
             state = replace(state, t=t)  # as the run: its steps are the same to the last bit
 
@@ -80,7 +81,7 @@ def report(quick: bool) -> str:
             silent, observed = (
                 100.0
                 * overhead(
-                    replace(simulation, frame_every=k * float(simulation.grid[1])),
+                    replace(simulation, frame_every=k * float(simulation.control.grid[1])),
                     seconds=1.0 if quick else 6.0,
                 )
                 for k in (STEPS, STEPS_PER_FRAME)

@@ -112,7 +112,8 @@ def beside(simulation: Simulation, *, seconds: float) -> Aside:
         LINEAR_SOLVERS[solver.name](pattern).factorize(values)
 
     kept = Kept()
-    run(replace(simulation, grid=simulation.grid[:1]), kept)
+    control = simulation.control
+    run(replace(simulation, control=replace(control, grid=control.grid[:1])), kept)
     with tempfile.TemporaryDirectory() as folder:
         writer = make_writer("hdf5", Path(folder))
         writer.open(simulation.topology, {})

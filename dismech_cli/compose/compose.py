@@ -64,7 +64,7 @@ def compose(
     roles = _roles(elastic, forces)
     probes = make_probes(scene, structure)
     fields = make_fields(scene, structure, elastic.rods)
-    numerics, (grid, every) = loaded.scenario.numerics, times(loaded)
+    numerics, (control, every) = loaded.scenario.numerics, times(loaded)
     simulation = Simulation(
         name=loaded.scenario.name,
         model=_model(scene, structure, (*elastic.terms, *forces.all)),
@@ -72,9 +72,8 @@ def compose(
         integrator=build_integrator(numerics.integrator),
         newton=build_newton(numerics.newton),
         linear_solver=numerics.linear_solver,
-        grid=grid,
+        control=control,
         frame_every=every,
-        max_cuts=numerics.step.max_cuts,
         initial_velocity=initial_velocity(scene, structure.dofs),
         topology=make_topology(scene, structure, fields, scalar_columns(roles, probes)),
         fields=fields,

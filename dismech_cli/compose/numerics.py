@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from ..arrays import FloatArray
 from ..kernels.driver import Driver
 from ..kernels.numba_driver import NumbaDriver
 from ..kernels.numpy_driver import NumpyDriver
-from ..run.clock import time_grid
+from ..run.clock import Clock, time_grid
 from ..scenario.language import numerics
 from ..scenario.load import LoadedScenario
 from ..solve import integrators
@@ -57,14 +56,15 @@ def check_linear_solver(loaded: LoadedScenario) -> None:
         )
 
 
-def times(loaded: LoadedScenario) -> tuple[FloatArray, float]:
-    """Nominal times of the run [s], shape (steps + 1,), and the time between frames."""
+def times(loaded: LoadedScenario) -> tuple[Clock, float]:
+    """What decides how far steps go, and the time between frames [s]."""
     scenario = loaded.scenario
     every, integrator = scenario.output.every, scenario.numerics.integrator
+    cuts = scenario.numerics.step.max_cuts
     if isinstance(integrator, numerics.Static):
-        return time_grid(1.0 / integrator.load_steps, 1.0), every or 0.0
+        return Clock(time_grid(1.0 / integrator.load_steps, 1.0), cuts), every or 0.0
     dt, t_end = scenario.numerics.dt, scenario.numerics.t_end
     assert dt is not None
     assert t_end is not None
     releases = tuple(m.release for m in scenario.motions if m.release is not None)
-    return time_grid(dt, t_end, releases), every or t_end / 100.0
+    return Clock(time_grid(dt, t_end, releases), cuts), every or t_end / 100.0

@@ -19,6 +19,7 @@ from ..kinematics.rod_frames import Frames, TrialFrames
 from ..model.configuration import Configuration
 from ..model.driven import BoundDriven
 from ..model.model import Model
+from ..model.saved import Arrays, Numbers
 from ..model.state import State
 from ..model.stencil import StencilEnergy
 from ..model.term import BoundEnergy, BoundTerm, Term
@@ -40,7 +41,7 @@ class Roles:
 
 
 class EnergyAccount:
-    """Sums work over steps; measures stored energies on demand."""
+    """Sums work over steps; measures stored energies on demand; implements :class:`.saved.Saved`."""
 
     columns = ("external_work", "actuation_work", "dissipation", "initial", "largest")
 
@@ -112,6 +113,19 @@ class EnergyAccount:
         entries["error"] = entries["total"] - s["initial"] - entries["external_work"] + s["dissipation"]
         s["largest"] = max(s["largest"], entries["kinetic"] + abs(entries["elastic"]))
         return entries
+
+    def arrays(self) -> Arrays:
+        """None."""
+        return {}
+
+    def numbers(self) -> Numbers:
+        """The sums."""
+        return self.sums
+
+    def restore(self, arrays: Arrays, numbers: Numbers) -> EnergyAccount:
+        """Go on from the sums that were saved."""
+        self.sums = {name: float(numbers[name]) for name in self.columns}
+        return self
 
     def growth(self, entries: Mapping[str, float]) -> float:
         """Energy that nothing gave, as a share of the largest kinetic and elastic energy of the run.

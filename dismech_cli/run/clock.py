@@ -12,6 +12,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..arrays import FloatArray
+from ..model.saved import Arrays, Numbers
+from ..solve.step import StepResult
 
 
 def time_grid(dt: float, t_end: float, events: tuple[float, ...] = ()) -> FloatArray:
@@ -32,38 +34,72 @@ def time_grid(dt: float, t_end: float, events: tuple[float, ...] = ()) -> FloatA
 
 @dataclass(frozen=True, slots=True)
 class Clock:
-    """Where a run stands on its grid; frozen.
+    """Where a run stands on its grid; implements :class:`~.step_control.StepControl`.
 
     Attributes:
+        grid: Nominal times [s], shape (steps + 1,).
+        max_cuts: How often a nominal step may be halved.
         index: Nominal step in progress: from ``grid[index]`` to ``grid[index + 1]``.
         part: Numerator of the fraction of it that is done.
         level: The fraction's denominator is 2**level.
     """
 
+    grid: FloatArray
+    max_cuts: int
     index: int = 0
     part: int = 0
     level: int = 0
 
-    def target(self, grid: FloatArray) -> float:
+    @property
+    def t_end(self) -> float:
+        """End of the grid [s]."""
+        return float(self.grid[-1])
+
+    @property
+    def steps(self) -> int:
+        """Number of nominal steps."""
+        return len(self.grid) - 1
+
+    @property
+    def target(self) -> float:
         """Time [s] at the end of the next step."""
-        start, end = float(grid[self.index]), float(grid[self.index + 1])
+        start, end = float(self.grid[self.index]), float(self.grid[self.index + 1])
         part = self.part + 1
         return end if part == 2**self.level else start + (end - start) * (part / 2**self.level)
 
-    def done(self, grid: FloatArray) -> bool:
+    @property
+    def done(self) -> bool:
         """Whether the end of the grid is reached."""
-        return self.index >= len(grid) - 1
+        return self.index >= self.steps
 
-    def succeeded(self) -> Clock:
-        """The clock after an accepted step."""
+    @property
+    def exhausted(self) -> bool:
+        """Whether the step is cut as often as it may be."""
+        return self.level >= self.max_cuts
+
+    def accepted(self, result: StepResult) -> Clock:
+        """The clock one step on; how the step went does not matter."""
         part, level = self.part + 1, self.level
         while level > 0 and part % 2 == 0:
             part, level = part // 2, level - 1
         if part >= 2**level and level == 0:
             # the next nominal step starts one level coarser than this one ended
-            return Clock(self.index + 1, 0, max(self.level - 1, 0))
+            return replace(self, index=self.index + 1, part=0, level=max(self.level - 1, 0))
         return replace(self, part=part, level=level)
 
     def failed(self) -> Clock:
         """The clock with the next step halved."""
         return replace(self, part=2 * self.part, level=self.level + 1)
+
+    def arrays(self) -> Arrays:
+        """None: the grid is that of the scenario."""
+        return {}
+
+    def numbers(self) -> Numbers:
+        """The place on the grid."""
+        return {"index": self.index, "part": self.part, "level": self.level}
+
+    def restore(self, arrays: Arrays, numbers: Numbers) -> Clock:
+        """The clock at the place that was saved."""
+        index, part, level = (int(numbers[name]) for name in ("index", "part", "level"))
+        return replace(self, index=index, part=part, level=level)

@@ -43,8 +43,6 @@ class Observer:
         self._simulation = simulation
         self._stepper = stepper
         self._account = account
-        self.times: list[float] = []
-        self.watched: dict[str, list[float]] = {name: [] for name in simulation.watched}
 
     def snapshot(self, state: State, residual: FloatArray) -> Snapshot:
         """Wrap a state."""
@@ -69,13 +67,6 @@ class Observer:
         frames = self._simulation.model.frames.transport(state.frames, state.q)
         energies: FloatArray = term.energy(Configuration(state.t, state.q, state.v, frames)).sum(axis=0)
         return energies
-
-    def watch(self, s: Snapshot) -> None:
-        """Record the watched probes."""
-        if self.watched:
-            self.times.append(s.state.t)
-            for name, probe in self._simulation.watched.items():
-                self.watched[name].append(probe(s))
 
     def frame(
         self, index: int, s: Snapshot, dt: float, iterations: int, residual_norm: float, wall: float

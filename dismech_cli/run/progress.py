@@ -8,7 +8,7 @@ import time
 from dataclasses import dataclass, field
 from typing import Protocol, TextIO
 
-from .loop import Progress
+from .sink import Progress
 
 _REDRAW = 0.1  # [s]
 _LINE_EVERY = 30.0  # [s]

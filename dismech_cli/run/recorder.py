@@ -6,9 +6,10 @@ import contextlib
 import shutil
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
+from typing import NamedTuple
 
-from ..arrays import FloatArray
 from ..errors import OutputError
+from ..model.saved import Arrays, Numbers
 from ..output import checkpoint
 from ..output.durable import output_errors
 from ..output.events import EventLog
@@ -16,10 +17,12 @@ from ..output.frame import Frame, Topology, Writer
 from ..output.jsonable import Json
 from ..output.run_directory import CHECKPOINT_FOLDER, EVENTS_FILE
 from ..output.writers import WRITERS, make_writer
-from .loop import Progress
 from .progress import Reporter
+from .sink import Progress
 
-_IDENTITY, _NUMBERS = "identity", "numbers"
+_FORMAT, _IDENTITY, _NUMBERS = "format", "identity", "numbers"
+# Raised whenever a part of a run saves itself under other names.
+_VERSION = 2
 _PRODUCTS = (EVENTS_FILE, *(name for kind in WRITERS.values() for name in kind.products))
 
 Note = Callable[[str], None]
@@ -84,15 +87,15 @@ class Recorder:
         shown = ", ".join(f"{key} {value}" for key, value in details.items() if key != "message")
         self._note(f"{kind.replace('_', ' ')} at t = {t:.6g} s{': ' if shown else ''}{shown}")
 
-    def checkpoint(self, arrays: Mapping[str, FloatArray], numbers: Mapping[str, int | float]) -> None:
+    def checkpoint(self, arrays: Arrays, numbers: Numbers) -> None:
         """Write a checkpoint.
 
         Raises:
             OutputError: If it cannot be written; the one before is kept.
         """
-        meta: dict[str, Json] = {_IDENTITY: self._identity, _NUMBERS: dict(numbers)}
+        meta: dict[str, Json] = {_FORMAT: _VERSION, _IDENTITY: self._identity, _NUMBERS: dict(numbers)}
         checkpoint.save(self._run_dir / CHECKPOINT_FOLDER, arrays, meta)
-        self._note(f"checkpoint at t = {numbers['t']:.6g} s")
+        self._note(f"checkpoint at t = {Checkpoint(arrays, numbers).t:.6g} s")
 
     def progress(self, progress: Progress) -> None:
         """Show where the run stands."""
@@ -113,7 +116,16 @@ class Recorder:
                 self._events.close()
 
 
-Checkpoint = tuple[dict[str, FloatArray], dict[str, int | float]]
+class Checkpoint(NamedTuple):
+    """What :func:`.loop.run` resumes from."""
+
+    arrays: Arrays
+    numbers: Numbers
+
+    @property
+    def t(self) -> float:
+        """Time [s] of the state."""
+        return float(self.numbers["state.t"])
 
 
 def load_checkpoint(run_dir: Path) -> tuple[Mapping[str, Json], Checkpoint] | None:
@@ -123,16 +135,17 @@ def load_checkpoint(run_dir: Path) -> tuple[Mapping[str, Json], Checkpoint] | No
         The identity given to :class:`Recorder`, and what :func:`.loop.run` resumes from.
 
     Raises:
-        OutputError: If none is readable.
+        OutputError: If none is readable, or the program version that wrote it saved otherwise.
     """
     folder = run_dir / CHECKPOINT_FOLDER
     if not any(folder.glob("checkpoint-*.npz")):
         return None
     arrays, meta = checkpoint.load_latest(folder)
-    try:
-        return meta[_IDENTITY], (arrays, meta[_NUMBERS])
-    except KeyError as error:
-        raise OutputError(f"the checkpoint in {folder} is of another program version: no {error}") from error
+    if meta.get(_FORMAT) != _VERSION:
+        raise OutputError(
+            f"the checkpoint in {folder} is of another version of dismech: resume with that one, or run anew"
+        )
+    return meta[_IDENTITY], Checkpoint(arrays, meta[_NUMBERS])
 
 
 def discard(run_dir: Path) -> None:

@@ -13,6 +13,7 @@ from ..solve.problem import NewtonSettings
 from .account import Roles
 from .observables.probes import Probe
 from .observables.rod_fields import Field
+from .step_control import StepControl
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -26,9 +27,8 @@ class Simulation:
         integrator: Time integrator.
         newton: Newton's stopping rule.
         linear_solver: Key of the solver table, or ``auto``.
-        grid: Nominal times [s], shape (steps + 1,).
+        control: Decides how far each step goes; here, as the run starts.
         frame_every: Time between frames [s].
-        max_cuts: How often a nominal step may be halved.
         initial_velocity: Velocity at t = 0, shape (n,).
         topology: What the writers need to know once.
         fields: Fields of every frame.
@@ -43,9 +43,8 @@ class Simulation:
     integrator: Integrator
     newton: NewtonSettings
     linear_solver: str
-    grid: FloatArray
+    control: StepControl
     frame_every: float
-    max_cuts: int
     initial_velocity: FloatArray
     topology: Topology
     fields: tuple[Field, ...]

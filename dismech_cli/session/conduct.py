@@ -93,7 +93,7 @@ def conduct(session: Session, stop: StopRequest) -> Report:
 
 def _run(session: Session, recorder: Recorder, stop: StopRequest) -> Outcome:
     simulation = session.built.simulation
-    resume_at = None if session.checkpoint is None else float(session.checkpoint[1]["t"])
+    resume_at = None if session.checkpoint is None else session.checkpoint.t
     versions = {f"version.{name}": text for name, text in session.manifest.versions.items()}
     metadata = {"name": simulation.name, "scenario": str(session.identity["scenario"]), **versions}
     recorder.open(simulation.topology, metadata, resume_at)

@@ -158,8 +158,8 @@ def estimate(built: Composition) -> Cost:
     model, topology = simulation.model, simulation.topology
     pattern = System(model, ~held_dofs(model.motions, model.dofs.n, 0.0)).pattern
     wanted = simulation.linear_solver
-    steps = len(simulation.grid) - 1
-    end = float(simulation.grid[-1])
+    steps = simulation.control.steps
+    end = simulation.control.t_end
     frames = steps + 1
     if simulation.frame_every > 0.0:
         frames = min(frames, int(end / simulation.frame_every * (1.0 + 1e-12)) + 1)

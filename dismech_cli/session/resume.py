@@ -55,7 +55,7 @@ def proceed(run_dir: Path, pause: Pause, present: Presenting) -> int:
         manifest = replace(manifest, status="running", ended="", exit_code=None, message="")
         manifest.save(run_dir)
         identity = recorded or _fresh_identity(run_dir, loaded, built.plan.kernels)
-        console.say(f"resuming at t = {0.0 if checkpoint is None else checkpoint[1]['t']:.6g} s")
+        console.say(f"resuming at t = {0.0 if checkpoint is None else checkpoint.t:.6g} s")
         report = conduct(
             Session(
                 loaded=loaded,

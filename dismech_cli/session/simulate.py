@@ -9,7 +9,8 @@ from pathlib import Path
 from ..arrays import FloatArray
 from ..compose.compose import Composition, compose
 from ..output.frame import Frame
-from ..run.loop import Outcome, Progress, run
+from ..run.loop import Outcome, run
+from ..run.sink import Progress
 from ..scenario.load import LoadedScenario, load
 
 

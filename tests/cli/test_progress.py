@@ -6,8 +6,8 @@ import pytest
 
 from dismech_cli.cli import console
 from dismech_cli.run import progress
-from dismech_cli.run.loop import Progress
 from dismech_cli.run.progress import Bar, Lines, Silent, clock_time, make_reporter
+from dismech_cli.run.sink import Progress
 
 
 class Stream(io.StringIO):

@@ -73,5 +73,5 @@ def test_a_law_that_ends_in_the_middle_fails_the_run_and_keeps_its_frames(tmp_pa
     assert result.end is End.FAILED
     assert "'sqrt(0.25 - t*s)' has no finite value at t = 0." in result.message
     assert memory.events[-1][0] == "failed"
-    assert memory.frames[-1].t == memory.numbers["t"] == result.state.t
+    assert memory.frames[-1].t == memory.numbers["state.t"] == result.state.t
     assert 0.2 < result.state.t < 0.4

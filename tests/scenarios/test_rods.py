@@ -88,7 +88,7 @@ def test_builds_and_steps(name):
     loaded = scene(name)
     simulation = compose(loaded, kernels="numpy").simulation
     memory = Memory()
-    until = float(simulation.grid[min(3, len(simulation.grid) - 1)])
+    until = float(simulation.control.grid[min(3, len(simulation.control.grid) - 1)])
     outcome = run(simulation, memory, limits=Limits(until=until))
     assert outcome.end in (End.INTERRUPTED, End.DONE), outcome.message
     assert outcome.counters["cuts"] == 0

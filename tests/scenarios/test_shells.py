@@ -84,7 +84,7 @@ def clamped_plate(poisson_ratio: float, stiffness: float, length: float, terms: 
 def test_builds_and_steps(name):
     simulation = compose(scene(name), kernels="numpy").simulation
     memory = Memory()
-    until = float(simulation.grid[min(3, len(simulation.grid) - 1)])
+    until = float(simulation.control.grid[min(3, len(simulation.control.grid) - 1)])
     outcome = run(simulation, memory, limits=Limits(until=until))
     assert outcome.end is End.INTERRUPTED, outcome.message
     assert_allclose(outcome.state.t, until, rtol=1e-12)

@@ -1,0 +1,165 @@
+"""The course of one run: where it stands, and what is booked as it goes on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..model.saved import Arrays, Numbers, Saved, restore_all, save_all
+from ..model.state import State
+from ..solve.status import Status
+from ..solve.step import Stepper, StepResult
+from .account import EnergyAccount
+from .framing import Framing
+from .observables.snapshot import Snapshot
+from .observe import Observer
+from .simulation import Simulation
+from .sink import Progress, Sink
+from .step_control import StepControl
+from .tally import Counters, Stopwatch
+from .watched import Watched
+
+
+@dataclass(slots=True)
+class Course:
+    """One run under way.
+
+    Attributes:
+        simulation: What is run.
+        stepper: Takes its steps.
+        sink: Where results go.
+        state: Where it stands.
+        control: How far the next step goes.
+        counters: Steps and iterations so far.
+        stopwatch: Wall time so far.
+        account: Energies and work.
+        watched: Probes read after every step.
+        framing: Frames written.
+    """
+
+    simulation: Simulation
+    stepper: Stepper
+    sink: Sink
+    state: State
+    control: StepControl
+    counters: Counters
+    stopwatch: Stopwatch
+    account: EnergyAccount
+    watched: Watched
+    framing: Framing
+
+    @classmethod
+    def of(cls, simulation: Simulation, sink: Sink) -> Course:
+        """Stand before the start of a run."""
+        stepper = Stepper(
+            simulation.model, simulation.integrator, simulation.newton, simulation.linear_solver
+        )
+        account = EnergyAccount(simulation.model, simulation.roles, simulation.initial_velocity)
+        account.bind(stepper.system, 0.0)
+        observer = Observer(simulation, stepper, account)
+        watched, stopwatch = Watched(simulation.watched), Stopwatch()
+        return cls(
+            simulation=simulation,
+            stepper=stepper,
+            sink=sink,
+            state=stepper.rest_state(simulation.initial_velocity),
+            control=simulation.control,
+            counters=Counters(),
+            stopwatch=stopwatch,
+            account=account,
+            watched=watched,
+            framing=Framing(simulation.frame_every, observer, watched, sink, stopwatch),
+        )
+
+    def parts(self) -> dict[str, Saved]:
+        """All that the run remembers from step to step: each saves itself."""
+        return {
+            "state": self.state,
+            "control": self.control,
+            "counters": self.counters,
+            "stopwatch": self.stopwatch,
+            "account": self.account,
+            "watched": self.watched,
+            "framing": self.framing,
+        }
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """Steps, iterations, cuts, frames, analyses."""
+        count = self.counters
+        return {
+            "steps": count.steps,
+            "iterations": count.iterations,
+            "cuts": count.cuts,
+            "frames": self.framing.frames,
+            "analyses": self.stepper.analyses,
+        }
+
+    def begin(self) -> None:
+        """Start: the energy at rest is the zero of the account."""
+        self._prepare()
+        self.account.start(self.state)
+        nothing = np.zeros_like(self.state.q)
+        self._show(StepResult(self.state, Status.CONVERGED, 0, 0.0, nothing, -1), 0.0)
+
+    def resume(self, arrays: Arrays, numbers: Numbers) -> None:
+        """Start from a checkpoint."""
+        for name, part in restore_all(self.parts(), arrays, numbers).items():
+            setattr(self, name, part)
+        self._prepare()
+
+    def checkpoint(self) -> None:
+        """Save all parts."""
+        self.sink.checkpoint(*save_all(self.parts()))
+
+    def step(self) -> StepResult:
+        """Try to reach the control's target; a step that fails leaves the run where it is.
+
+        Raises:
+            LawError: Something that the step follows has no value there.
+        """
+        target = self.control.target
+        with self.stopwatch.phase("solve"):
+            self._prepare()
+            result = self.stepper.step(self.state, target - self.state.t)
+        self.counters.iterations += result.iterations
+        if result.state.t == target or result.status is not Status.CONVERGED:
+            return result
+        # the integrator adds dt, which may round
+        return replace(result, state=replace(result.state, t=target))
+
+    def cut(self, result: StepResult) -> None:
+        """Shorten the step that failed."""
+        t = self.state.t
+        self.sink.event("step_cut", t, dt=self.control.target - t, status=result.status.name)
+        self.control = self.control.failed()
+        self.counters.cuts += 1
+
+    def accept(self, result: StepResult) -> Snapshot | None:
+        """Book a step that reached its target, and go on from there.
+
+        Returns:
+            What the frame shows, if one was due.
+        """
+        dt = result.state.t - self.state.t
+        self.account.advance(self.state, result.state)
+        self.state = result.state
+        self.control = self.control.accepted(result)
+        self.counters.steps += 1
+        return self._show(result, dt)
+
+    def report(self, dt: float) -> None:
+        """Tell where the run stands after a step of ``dt`` [s]."""
+        count = self.counters
+        self.sink.progress(Progress(self.state.t, self.control.t_end, dt, count.steps, count.iterations))
+
+    def _show(self, result: StepResult, dt: float) -> Snapshot | None:
+        return self.framing.see(result, dt, self.counters.iterations, last=self.control.done)
+
+    def _prepare(self) -> None:
+        """Make ready for a step: the account follows the stepper to other free DOFs."""
+        system = self.stepper.system
+        self.state = self.stepper.prepare(self.state)
+        if self.stepper.system is not system:
+            self.account.bind(self.stepper.system, self.state.t)

@@ -1,0 +1,83 @@
+"""When a state is looked at, and when it becomes a frame."""
+
+from __future__ import annotations
+
+from ..model.saved import Arrays, Numbers
+from ..solve.step import StepResult
+from .observables.snapshot import Snapshot
+from .observe import Observer
+from .sink import Sink
+from .tally import Stopwatch
+from .watched import Watched
+
+
+class Framing:
+    """Reads the watched probes at every state, and writes a frame when one is due.
+
+    Implements :class:`~dismech_cli.model.saved.Saved`.
+
+    Attributes:
+        frames: Frames written.
+    """
+
+    def __init__(
+        self, every: float, observer: Observer, watched: Watched, sink: Sink, stopwatch: Stopwatch
+    ) -> None:
+        """Start before the first frame.
+
+        Args:
+            every: Time between frames [s].
+            observer: Makes snapshots and frames.
+            watched: Probes to read.
+            sink: Where frames go.
+            stopwatch: Counts the time this takes.
+        """
+        self._every = every
+        self._observer = observer
+        self._watched = watched
+        self._sink = sink
+        self._stopwatch = stopwatch
+        self.frames = 0
+        self._iterations = 0
+
+    def see(self, result: StepResult, dt: float, iterations: int, *, last: bool) -> Snapshot | None:
+        """Look at an accepted state.
+
+        Args:
+            result: The step that led to it.
+            dt: Length of that step [s].
+            iterations: Newton iterations of the run so far.
+            last: Whether the run ends here, where a frame is always due.
+
+        Returns:
+            What the frame shows, if one was due.
+        """
+        due = result.state.t >= self.frames * self._every * (1.0 - 1e-12) or last
+        if not due and not self._watched:
+            return None
+        watch = self._stopwatch
+        with watch.phase("observe"):
+            snapshot = self._observer.snapshot(result.state, result.residual)
+            self._watched.read(snapshot)
+            if not due:
+                return None
+            since = iterations - self._iterations
+            frame = self._observer.frame(self.frames, snapshot, dt, since, result.residual_norm, watch.wall)
+        with watch.phase("write"):
+            self._sink.frame(frame)
+        self.frames += 1
+        self._iterations = iterations
+        return snapshot
+
+    def arrays(self) -> Arrays:
+        """None."""
+        return {}
+
+    def numbers(self) -> Numbers:
+        """The number of frames, and the iterations at the last one."""
+        return {"frames": self.frames, "iterations": self._iterations}
+
+    def restore(self, arrays: Arrays, numbers: Numbers) -> Framing:
+        """Go on after the last frame that was saved."""
+        self.frames, self._iterations = int(numbers["frames"]), int(numbers["iterations"])
+        return self

@@ -1,0 +1,38 @@
+"""What decides how far a step goes."""
+
+from __future__ import annotations
+
+from typing import Protocol, Self
+
+from ..model.saved import Saved
+from ..solve.step import StepResult
+
+
+class StepControl(Saved, Protocol):
+    """Where a run stands between start and end, and where its next step shall end; frozen."""
+
+    @property
+    def t_end(self) -> float:
+        """End of the run [s]."""
+
+    @property
+    def steps(self) -> int:
+        """How many steps the run takes if all goes as planned."""
+
+    @property
+    def target(self) -> float:
+        """Time [s] at the end of the next step."""
+
+    @property
+    def done(self) -> bool:
+        """Whether the end of the run is reached."""
+
+    @property
+    def exhausted(self) -> bool:
+        """Whether the next step is as short as a step may be: if it fails, the run does."""
+
+    def accepted(self, result: StepResult) -> Self:
+        """The control after a step that reached its target."""
+
+    def failed(self) -> Self:
+        """The control with the next step shortened."""

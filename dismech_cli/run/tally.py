@@ -1,0 +1,81 @@
+"""What a run has cost: steps and wall time."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+from ..model.saved import Arrays, Numbers
+
+
+@dataclass(slots=True)
+class Counters:
+    """How often a run did what; implements :class:`~dismech_cli.model.saved.Saved`.
+
+    Attributes:
+        steps: Accepted steps.
+        iterations: Newton iterations, those of failed steps included.
+        cuts: Failed steps that were tried again, shorter.
+    """
+
+    steps: int = 0
+    iterations: int = 0
+    cuts: int = 0
+
+    def arrays(self) -> Arrays:
+        """None."""
+        return {}
+
+    def numbers(self) -> Numbers:
+        """All counts."""
+        return {"steps": self.steps, "iterations": self.iterations, "cuts": self.cuts}
+
+    def restore(self, arrays: Arrays, numbers: Numbers) -> Counters:
+        """Count on from what was saved."""
+        self.steps, self.iterations, self.cuts = (int(numbers[k]) for k in ("steps", "iterations", "cuts"))
+        return self
+
+
+class Stopwatch:
+    """Wall time of a run; implements :class:`~dismech_cli.model.saved.Saved`.
+
+    Attributes:
+        seconds: Time of this process by phase [s].
+    """
+
+    def __init__(self) -> None:
+        self.seconds = dict.fromkeys(("solve", "observe", "write"), 0.0)
+        self._before = 0.0
+        self._began = time.monotonic()
+
+    @property
+    def elapsed(self) -> float:
+        """Time of this process [s]."""
+        return time.monotonic() - self._began
+
+    @property
+    def wall(self) -> float:
+        """Time of all processes that worked on the run [s]."""
+        return self._before + self.elapsed
+
+    @contextmanager
+    def phase(self, name: str) -> Iterator[None]:
+        """Count what happens inside as one of the phases."""
+        tick = time.perf_counter()
+        yield
+        self.seconds[name] += time.perf_counter() - tick
+
+    def arrays(self) -> Arrays:
+        """None."""
+        return {}
+
+    def numbers(self) -> Numbers:
+        """The wall time."""
+        return {"wall": self.wall}
+
+    def restore(self, arrays: Arrays, numbers: Numbers) -> Stopwatch:
+        """Go on from the wall time that was saved."""
+        self._before = float(numbers["wall"])
+        return self

@@ -1,0 +1,57 @@
+"""Probes that are read after every step."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from ..arrays import FloatArray
+from ..model.saved import Arrays, Numbers, within
+from .observables.probes import Probe
+from .observables.snapshot import Snapshot
+
+
+class Watched:
+    """The course over time of some probes; implements :class:`~dismech_cli.model.saved.Saved`."""
+
+    def __init__(self, probes: Mapping[str, Probe]) -> None:
+        self._probes = probes
+        self._times: list[float] = []
+        self._values: dict[str, list[float]] = {name: [] for name in probes}
+
+    def __bool__(self) -> bool:
+        """Whether there is anything to watch."""
+        return bool(self._probes)
+
+    @property
+    def times(self) -> FloatArray:
+        """Times at which the probes were read [s], shape (K,)."""
+        return np.array(self._times)
+
+    @property
+    def values(self) -> dict[str, FloatArray]:
+        """What each read then, shape (K,)."""
+        return {name: np.array(values) for name, values in self._values.items()}
+
+    def read(self, s: Snapshot) -> None:
+        """Read every probe."""
+        if self:
+            self._times.append(s.state.t)
+            for name, probe in self._probes.items():
+                self._values[name].append(probe(s))
+
+    def arrays(self) -> Arrays:
+        """Times and values."""
+        return {"t": self.times} | {f"value.{name}": values for name, values in self.values.items()}
+
+    def numbers(self) -> Numbers:
+        """None."""
+        return {}
+
+    def restore(self, arrays: Arrays, numbers: Numbers) -> Watched:
+        """Go on from the courses that were saved."""
+        values = within("value", arrays)
+        self._times = arrays["t"].tolist()
+        self._values = {name: values[name].tolist() for name in self._probes}
+        return self
