@@ -47,8 +47,8 @@ def static_laws(directory: Path) -> ToLaw:
 
     def convert(spec: LawSpec, at: Coordinates = _NOWHERE) -> Law:
         law = to_law(spec, directory, at)
-        if isinstance(law, Constant) and law.value != 0.0:
-            return Ramp(before=0.0, after=law.value, start=0.0, end=1.0)
+        if isinstance(law, Constant) and law.level != 0.0:
+            return Ramp(before=0.0, after=law.level, start=0.0, end=1.0)
         return law
 
     return convert
@@ -61,4 +61,4 @@ def components(specs: Sequence[LawSpec], laws: ToLaw) -> tuple[Law, ...]:
 
 def vanishes(law: Law) -> bool:
     """Whether a law is zero for ever."""
-    return isinstance(law, Constant) and law.value == 0.0
+    return isinstance(law, Constant) and law.level == 0.0

@@ -24,7 +24,7 @@ from ..geometry.vectors import combine, combine_block, cross, dot, norm, outer, 
 from ..kernels.driver import Driver
 from ..kernels.linearization import Coupling, Pattern
 from ..kernels.shape import LoadKernel
-from ..laws.laws import Law
+from ..laws.signal import Signal
 from ..model.load import BoundLoad
 from ..model.term import BoundTerm
 
@@ -77,7 +77,7 @@ class EdgeTorque:
         angles: DOFs xi, shape (K,).
         stored: Places of the stored tangents in the auxiliary array of the frames, shape (K, 3).
         moments: Moment on each edge at unit scale [N m], shape (K, 3).
-        law: Scale over time [1].
+        signal: Scale over time [1].
     """
 
     name: str
@@ -86,7 +86,7 @@ class EdgeTorque:
     angles: IntArray
     stored: IntArray
     moments: FloatArray
-    law: Law
+    signal: Signal
     velocity_dependent: ClassVar[bool] = False
 
     @property
@@ -103,5 +103,5 @@ class EdgeTorque:
         """Make the loop."""
         moments = dict(zip(EDGE_TORQUE.constants, self.moments.T, strict=True))
         return BoundLoad.of(
-            self.name, EDGE_TORQUE, self.dofs, moments, self.law, pattern, driver, self.stored
+            self.name, EDGE_TORQUE, self.dofs, moments, self.signal, pattern, driver, self.stored
         )

@@ -25,7 +25,7 @@ from ..kernels.linearization import Coupling, Pattern
 from ..kernels.shape import LoadKernel
 from ..kinematics.dofs import DofMap
 from ..kinematics.rod_frames import RodFrames
-from ..laws.laws import Law
+from ..laws.signal import Signal
 from ..model.load import BoundLoad
 from ..model.term import BoundTerm
 from .follower_kernels import FOLLOWER_FACE, FOLLOWER_FRAMED, FOLLOWER_PLANAR
@@ -148,22 +148,22 @@ class FollowerForce:
         carrier: What the forces turn with.
         shares: Weight of the force on each node of each carrier [1 or m], shape (K, m).
         local: Force at unit scale in the frames of the carriers [N or N/m], shape (K, 2 or 3).
-        law: Scale over time [1].
+        signal: Scale over time [1].
     """
 
     name: str
     carrier: Carrier
     shares: FloatArray
     local: FloatArray
-    law: Law
+    signal: Signal
     velocity_dependent: ClassVar[bool] = False
 
     @classmethod
     def of(
-        cls, name: str, carrier: Carrier, shares: FloatArray, force: FloatArray, law: Law
+        cls, name: str, carrier: Carrier, shares: FloatArray, force: FloatArray, signal: Signal
     ) -> FollowerForce:
         """Build from the force at rest, shape (3,)."""
-        return cls(name, carrier, shares, carrier.rest @ force, law)
+        return cls(name, carrier, shares, carrier.rest @ force, signal)
 
     @property
     def couplings(self) -> tuple[Coupling, ...]:
@@ -178,4 +178,6 @@ class FollowerForce:
             **on.constants,
             **{f"share_{k}": share for k, share in enumerate(self.shares.T)},
         }
-        return BoundLoad.of(self.name, on.kernel, on.dofs, parameters, self.law, pattern, driver, on.places)
+        return BoundLoad.of(
+            self.name, on.kernel, on.dofs, parameters, self.signal, pattern, driver, on.places
+        )

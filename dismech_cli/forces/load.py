@@ -1,4 +1,4 @@
-"""Dead loads: nodal forces of fixed direction, scaled by a law of time.
+"""Dead loads: nodal forces of fixed direction, scaled by a signal.
 
 Gravity, buoyancy, point and distributed loads are all of this kind: they add to the residual only
 and cost nothing in the matrix.
@@ -14,7 +14,7 @@ import numpy as np
 from ..arrays import FloatArray
 from ..kernels.driver import Driver
 from ..kernels.linearization import Coupling, Linearization, Pattern
-from ..laws.laws import Law
+from ..laws.signal import Signal
 from ..model.configuration import Configuration
 
 
@@ -25,12 +25,12 @@ class DeadLoad:
     Attributes:
         name: Unique name.
         force: Generalised force at unit scale [N], shape (n,).
-        law: Scale over time [1].
+        signal: Scale over time [1].
     """
 
     name: str
     force: FloatArray
-    law: Law
+    signal: Signal
     velocity_dependent: ClassVar[bool] = False
 
     @property
@@ -49,12 +49,15 @@ class DeadLoad:
 
     def energy(self, c: Configuration) -> FloatArray:
         """-f.q [J], shape (1, 1): the potential at fixed time."""
-        return np.array([[-float(self.law(c.t)) * float(self.force @ c.q)]])
+        return np.array([[-self._scale(c) * float(self.force @ c.q)]])
 
     def add_residual(self, c: Configuration, r: FloatArray) -> None:
         """Subtract the force."""
-        r -= float(self.law(c.t)) * self.force
+        r -= self._scale(c) * self.force
 
     def add_linearization(self, c: Configuration, into: Linearization) -> None:
         """Subtract the force; there is no tangent."""
         self.add_residual(c, into.residual)
+
+    def _scale(self, c: Configuration) -> float:
+        return float(self.signal.value(c.t, c.inputs))

@@ -24,7 +24,7 @@ from ..geometry.vectors import combine, combine_block, cross, dot, norm, outer, 
 from ..kernels.driver import Driver
 from ..kernels.linearization import Coupling, Pattern
 from ..kernels.shape import LoadKernel
-from ..laws.laws import Law
+from ..laws.signal import Signal
 from ..model.load import BoundLoad
 from ..model.term import BoundTerm
 
@@ -107,7 +107,7 @@ class EdgeMoment:
         angles: Angle DOFs, shape (K,), or (0,) where edges carry none.
         axes: Space axes of the d components.
         moments: Moment on each edge at unit scale [N m], shape (K, 3).
-        law: Scale over time [1].
+        signal: Scale over time [1].
     """
 
     name: str
@@ -116,7 +116,7 @@ class EdgeMoment:
     angles: IntArray
     axes: tuple[int, ...]
     moments: FloatArray
-    law: Law
+    signal: Signal
     velocity_dependent: ClassVar[bool] = False
 
     @property
@@ -139,4 +139,4 @@ class EdgeMoment:
         else:
             chosen = MOMENT_FRAMED if self.angles.size else MOMENT
             moments = dict(zip(chosen.constants, self.moments.T, strict=True))
-        return BoundLoad.of(self.name, chosen, self._dofs, moments, self.law, pattern, driver)
+        return BoundLoad.of(self.name, chosen, self._dofs, moments, self.signal, pattern, driver)

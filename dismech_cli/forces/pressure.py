@@ -18,26 +18,26 @@ from ..kernels.driver import Driver
 from ..kernels.linearization import Coupling, Linearization, Pattern
 from ..kernels.shape import LoadKernel
 from ..kinematics.dofs import DofMap
-from ..laws.laws import Law
+from ..laws.signal import Signal
 from ..mesh.topology.sides import rim_sides
 from ..model.configuration import Configuration
 from ..model.load import BoundLoad
 from ..model.term import BoundTerm, Term
 
 
-def pressure(name: str, dofs: DofMap, triangles: IntArray, law: Law) -> Term:
+def pressure(name: str, dofs: DofMap, triangles: IntArray, signal: Signal) -> Term:
     """Build a pressure, conservative where it can be.
 
     Args:
         name: Unique name.
         dofs: Numbering; three dimensions.
         triangles: Faces under pressure, shape (T, 3).
-        law: Pressure [Pa] over time; positive pushes along the normals.
+        signal: Pressure [Pa] over time; positive pushes along the normals.
     """
     corners = dofs.of_nodes(triangles).reshape(len(triangles), 9)
     if not len(rim_sides(triangles)):
-        return VolumePressure(name, corners, law)
-    return FollowerPressure(name, corners, law)
+        return VolumePressure(name, corners, signal)
+    return FollowerPressure(name, corners, signal)
 
 
 @kernel
@@ -65,12 +65,12 @@ class FollowerPressure:
     Attributes:
         name: Unique name.
         corners: Position DOFs of each triangle, shape (T, 9).
-        law: Pressure [Pa] over time.
+        signal: Pressure [Pa] over time.
     """
 
     name: str
     corners: IntArray
-    law: Law
+    signal: Signal
     velocity_dependent: ClassVar[bool] = False
 
     @property
@@ -80,7 +80,7 @@ class FollowerPressure:
 
     def bind(self, pattern: Pattern, driver: Driver) -> BoundTerm:
         """Make the loop."""
-        return BoundLoad.of(self.name, FACE_PRESSURE, self.corners, {}, self.law, pattern, driver)
+        return BoundLoad.of(self.name, FACE_PRESSURE, self.corners, {}, self.signal, pattern, driver)
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,12 +90,12 @@ class VolumePressure:
     Attributes:
         name: Unique name.
         corners: Position DOFs of each triangle, shape (T, 9).
-        law: Pressure [Pa] over time.
+        signal: Pressure [Pa] over time.
     """
 
     name: str
     corners: IntArray
-    law: Law
+    signal: Signal
     velocity_dependent: ClassVar[bool] = False
 
     @property
@@ -127,13 +127,13 @@ class _BoundVolume:
         """-p times each face's share of the volume [J], shape (1, T)."""
         x0, x1, x2 = self._corners(c)
         shares = np.einsum("ti,ti->t", x0, np.cross(x1, x2))
-        return np.asarray(shares * (-float(self.load.law(c.t)) / 6.0))[None]
+        return np.asarray(shares * (-self._pressure(c) / 6.0))[None]
 
     def add_residual(self, c: Configuration, r: FloatArray) -> None:
         """Subtract the force."""
         x0, x1, x2 = self._corners(c)
         shares = np.concatenate((np.cross(x1, x2), np.cross(x2, x0), np.cross(x0, x1)), axis=1)
-        np.add.at(r, self.load.corners, shares * (-float(self.load.law(c.t)) / 6.0))
+        np.add.at(r, self.load.corners, shares * (-self._pressure(c) / 6.0))
 
     def add_linearization(self, c: Configuration, into: Linearization) -> None:
         """Subtract the force and add its tangent."""
@@ -142,7 +142,14 @@ class _BoundVolume:
         tangent = np.zeros((len(x0), 9, 9))
         tangent[:, 0:3, 3:6], tangent[:, 0:3, 6:9], tangent[:, 3:6, 6:9] = x2, -x1, x0
         i, j = np.triu_indices(9)
-        np.add.at(into.stiffness, self.slots, tangent[:, i, j] * (float(self.load.law(c.t)) / 6.0))
+        np.add.at(
+            into.stiffness,
+            self.slots,
+            tangent[:, i, j] * (self._pressure(c) / 6.0),
+        )
+
+    def _pressure(self, c: Configuration) -> float:
+        return float(self.load.signal.value(c.t, c.inputs))
 
     def _corners(self, c: Configuration) -> tuple[FloatArray, FloatArray, FloatArray]:
         x = c.q[self.load.corners]

@@ -11,21 +11,22 @@ import numpy as np
 from ..arrays import FloatArray
 from ..errors import LawError, ScenarioError
 from .expression import VARIABLES, Compiled, compile_expression
+from .signal import Signal, Value
 from .waves import sawtooth
 
-Value: TypeAlias = FloatArray | float
 Interpolation: TypeAlias = Literal["linear", "step", "cubic"]
 
 
-class Law(Protocol):
+class Law(Signal, Protocol):
     """A value that may depend on time t [s] and on the place s, 0 to 1 along a rod."""
-
-    @property
-    def constant(self) -> bool:
-        """True if the value does not change in time."""
 
     def __call__(self, t: float, s: Value = 0.0) -> Value:
         """The value at ``t``: a float, or an array of the shape of ``s`` if that is an array."""
+
+
+def _without_inputs(law: Law, t: float, inputs: FloatArray, places: Value = 0.0) -> Value:
+    """The value of a law: inputs do not change it."""
+    return law(t, places)
 
 
 def _spread(value: Any, s: Value) -> Value:
@@ -37,9 +38,14 @@ def _spread(value: Any, s: Value) -> Value:
 
 @dataclass(frozen=True, slots=True)
 class Constant:
-    """Always the same value."""
+    """Always the same value.
 
-    value: float
+    Attributes:
+        level: The value.
+    """
+
+    level: float
+    value = _without_inputs
 
     @property
     def constant(self) -> bool:
@@ -48,7 +54,7 @@ class Constant:
 
     def __call__(self, t: float, s: Value = 0.0) -> Value:
         """The value."""
-        return _spread(self.value, s)
+        return _spread(self.level, s)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -88,6 +94,8 @@ class Table:
         """Pickled by its data: the interpolator is made again."""
         return _table, (self.times, self.values, self.interpolation)
 
+    value = _without_inputs
+
     @property
     def constant(self) -> bool:
         """True if all values are equal."""
@@ -122,6 +130,8 @@ class Ramp:
     start: float
     end: float
 
+    value = _without_inputs
+
     @property
     def constant(self) -> bool:
         """True if the ramp goes nowhere."""
@@ -141,6 +151,8 @@ class Sine:
     frequency: float
     phase: float = 0.0
     offset: float = 0.0
+
+    value = _without_inputs
 
     @property
     def constant(self) -> bool:
@@ -162,6 +174,8 @@ class Sawtooth:
     phase: float = 0.0
     offset: float = 0.0
     width: float = 1.0
+
+    value = _without_inputs
 
     @property
     def constant(self) -> bool:
@@ -196,6 +210,8 @@ class Expression:
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickled by its text: closures cannot be."""
         return Expression, (self.text, self.places)
+
+    value = _without_inputs
 
     @property
     def constant(self) -> bool:

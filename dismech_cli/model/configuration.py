@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from ..arrays import FloatArray
 from ..kinematics.rod_frames import TrialFrames
+from ..laws.signal import no_inputs
 
 
 @dataclass(frozen=True, slots=True)
@@ -17,9 +18,11 @@ class Configuration:
         q: Positions [m] and angles [rad], shape (n,).
         v: Their rates [m/s, rad/s], shape (n,).
         frames: Reference and material frames transported to ``q``.
+        inputs: What controllers put in, shape (K,).
     """
 
     t: float
     q: FloatArray
     v: FloatArray
     frames: TrialFrames
+    inputs: FloatArray = field(default_factory=no_inputs)

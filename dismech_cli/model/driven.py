@@ -1,4 +1,4 @@
-"""Energies whose natural strain follows a law of time: actuation.
+"""Energies whose natural strain follows a signal: actuation.
 
 The natural strain is a function of the time at which balance is enforced, not a value held over
 the step: so actuated runs keep the order of their integrator, and nothing accumulates.
@@ -14,7 +14,7 @@ import numpy as np
 from ..arrays import FloatArray, IntArray
 from ..kernels.driver import Driver
 from ..kernels.linearization import Coupling, Linearization, Pattern
-from ..laws.laws import Law
+from ..laws.signal import NO_INPUTS, Signal
 from .configuration import Configuration
 from .stencil import BoundStencil, StencilEnergy
 
@@ -26,15 +26,15 @@ class Drive:
     Attributes:
         row: Which natural strain of the kernel.
         stencils: Driven stencils, shape (K,).
-        law: Strain density over time t and place s.
+        signal: Strain density over time t and place s.
         places: s of each stencil in [0, 1], shape (K,).
-        factors: What turns the law's value into the kernel's strain: a Voronoi length [m] for
+        factors: What turns the signal's value into the kernel's strain: a Voronoi length [m] for
             curvature and twist, 1 for stretch, shape (K,).
     """
 
     row: int
     stencils: IntArray
-    law: Law
+    signal: Signal
     places: FloatArray
     factors: FloatArray
 
@@ -68,7 +68,7 @@ class DrivenEnergy:
 
 
 class BoundDriven:
-    """A driven energy bound to a pattern; remembers the natural strain of the last time asked."""
+    """A driven energy bound to a pattern; remembers the natural strain at the time and inputs last asked."""
 
     def __init__(self, stencil: BoundStencil, rest: FloatArray, drives: tuple[Drive, ...]) -> None:
         self.name = stencil.name
@@ -76,29 +76,31 @@ class BoundDriven:
         self._rest = rest
         self._drives = drives
         self._stencil = stencil
-        self._time = np.nan
+        self._time, self._inputs = np.nan, NO_INPUTS
 
-    def natural(self, t: float) -> FloatArray:
+    def natural(self, t: float, inputs: FloatArray) -> FloatArray:
         """Natural strain at time ``t``, shape (naturals, S)."""
         natural = self._rest.copy()
         for drive in self._drives:
-            natural[drive.row, drive.stencils] += drive.factors * drive.law(t, drive.places)
+            natural[drive.row, drive.stencils] += drive.factors * drive.signal.value(t, inputs, drive.places)
         return natural
 
-    def at(self, t: float) -> BoundStencil:
-        """The energy with its natural strain at time ``t``."""
-        if t != self._time:
-            self._stencil, self._time = self._stencil.actuated(self.natural(t)), t
+    def at(self, c: Configuration) -> BoundStencil:
+        """The energy with its natural strain at the time and the inputs of ``c``."""
+        # inputs are frozen: other values are another array
+        if c.t != self._time or c.inputs is not self._inputs:
+            self._stencil = self._stencil.actuated(self.natural(c.t, c.inputs))
+            self._time, self._inputs = c.t, c.inputs
         return self._stencil
 
     def energy(self, c: Configuration) -> FloatArray:
         """Energies [J], shape (shares, S)."""
-        return self.at(c.t).energy(c)
+        return self.at(c).energy(c)
 
     def add_residual(self, c: Configuration, r: FloatArray) -> None:
         """Add dE/dq."""
-        self.at(c.t).add_residual(c, r)
+        self.at(c).add_residual(c, r)
 
     def add_linearization(self, c: Configuration, into: Linearization) -> None:
         """Add dE/dq and d2E/dq2."""
-        self.at(c.t).add_linearization(c, into)
+        self.at(c).add_linearization(c, into)

@@ -1,4 +1,4 @@
-"""From a pure load kernel to what is bound: forces without potential, scaled over time by a law."""
+"""From a pure load kernel to what is bound: forces without potential, scaled over time by a signal."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ..arrays import FloatArray, IntArray
 from ..kernels.driver import Driver, LoadLoop
 from ..kernels.linearization import Linearization, Pattern
 from ..kernels.shape import LoadKernel
-from ..laws.laws import Law
+from ..laws.signal import Signal
 from .configuration import Configuration
 
 
@@ -23,13 +23,13 @@ class BoundLoad:
         name: Unique name.
         loop: Adds the force at unit scale and its tangent.
         parameters: Constants in the order of the kernel, shape (P, S).
-        law: Scale over time [1].
+        signal: Scale over time [1].
     """
 
     name: str
     loop: LoadLoop
     parameters: FloatArray
-    law: Law
+    signal: Signal
 
     @classmethod
     def of(
@@ -38,7 +38,7 @@ class BoundLoad:
         kernel: LoadKernel,
         dofs: IntArray,
         parameters: Mapping[str, FloatArray | float],
-        law: Law,
+        signal: Signal,
         pattern: Pattern,
         driver: Driver,
         auxiliaries: IntArray | None = None,
@@ -50,7 +50,7 @@ class BoundLoad:
             kernel: The force.
             dofs: Global DOFs of each stencil, nodes first, angles last, shape (S, D).
             parameters: A value for each name of the kernel: numbers or arrays (S,).
-            law: Scale over time [1].
+            signal: Scale over time [1].
             pattern: Where the tangent's entries live.
             driver: Makes the loop.
             auxiliaries: Indices into the auxiliary array of the trial frames, shape (S, A); none
@@ -61,12 +61,15 @@ class BoundLoad:
         """
         places = np.empty((len(dofs), 0), dtype=np.int64) if auxiliaries is None else auxiliaries
         values = kernel.parameters.stack(parameters, len(dofs))
-        return cls(name, driver.load(kernel, dofs, places, pattern), values, law)
+        return cls(name, driver.load(kernel, dofs, places, pattern), values, signal)
 
     def add_residual(self, c: Configuration, r: FloatArray) -> None:
         """Subtract the force."""
-        self.loop.add_residual(c.q, c.frames.auxiliary, self.parameters, float(self.law(c.t)), r)
+        self.loop.add_residual(c.q, c.frames.auxiliary, self.parameters, self._scale(c), r)
 
     def add_linearization(self, c: Configuration, into: Linearization) -> None:
         """Subtract the force and add its tangent."""
-        self.loop.add_linearization(c.q, c.frames.auxiliary, self.parameters, float(self.law(c.t)), into)
+        self.loop.add_linearization(c.q, c.frames.auxiliary, self.parameters, self._scale(c), into)
+
+    def _scale(self, c: Configuration) -> float:
+        return float(self.signal.value(c.t, c.inputs))

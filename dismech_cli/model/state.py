@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
 
 from ..arrays import FloatArray
 from ..kinematics.rod_frames import FrameState
+from ..laws.signal import no_inputs
 from .saved import Arrays, Numbers, within
 
 
@@ -19,6 +21,8 @@ class State:
         v: Rates, shape (n,).
         a: Second rates, shape (n,).
         frames: Reference frames stored at ``q``.
+        inputs: What controllers put in, held until the next step begins, shape (K,).
+        memory: What else the next step depends on, by name.
     """
 
     t: float
@@ -26,11 +30,14 @@ class State:
     v: FloatArray
     a: FloatArray
     frames: FrameState
+    inputs: FloatArray = field(default_factory=no_inputs)
+    memory: Mapping[str, FloatArray] = field(default_factory=dict)
 
     def arrays(self) -> Arrays:
-        """Positions, rates and frames."""
+        """All but the time."""
         frames = {f"frames.{f.name}": getattr(self.frames, f.name) for f in fields(FrameState)}
-        return {"q": self.q, "v": self.v, "a": self.a} | frames
+        memory = {f"memory.{name}": values for name, values in self.memory.items()}
+        return {"q": self.q, "v": self.v, "a": self.a, "inputs": self.inputs} | frames | memory
 
     def numbers(self) -> Numbers:
         """The time."""
@@ -45,4 +52,6 @@ class State:
             arrays["v"],
             arrays["a"],
             FrameState(**{f.name: frames[f.name] for f in fields(FrameState)}),
+            arrays["inputs"],
+            within("memory", arrays),
         )

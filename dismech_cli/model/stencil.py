@@ -112,7 +112,7 @@ class BoundStencil:
     loop: StencilLoop
     parameters: FloatArray
 
-    def natural(self, t: float) -> FloatArray:
+    def natural(self, t: float, inputs: FloatArray) -> FloatArray:
         """Natural strains, the same at all times, shape (naturals, S); a view."""
         return self.parameters[: self.naturals]
 

@@ -69,7 +69,7 @@ class EnergyAccount:
         self._elastic = [t for t in energies if t.shares[0] in self._roles.elastic]
         self._gravitational = [t for t in energies if t.name in self._roles.gravitational]
         self._driven = [t for t in energies if isinstance(t, BoundDriven)]
-        steady = {t.name for t in terms if isinstance(t, DeadLoad) and t.law.constant}
+        steady = {t.name for t in terms if isinstance(t, DeadLoad) and t.signal.constant}
         self._changing = [t for t in self._gravitational if t.name not in steady]
 
     def _near_moving(self) -> Iterator[Term]:

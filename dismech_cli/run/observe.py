@@ -54,7 +54,7 @@ class Observer:
             measure,
             lambda: self._stepper.negative_eigenvalues(state),
             lambda name: self._stencil_energies(name, state),
-            lambda name: self._stencils(name).natural(state.t),
+            lambda name: self._stencils(name).natural(state.t, state.inputs),
         )
 
     def _stencils(self, name: str) -> BoundStencil | BoundDriven:
@@ -65,7 +65,9 @@ class Observer:
     def _stencil_energies(self, name: str, state: State) -> FloatArray:
         term = self._stencils(name)
         frames = self._simulation.model.frames.transport(state.frames, state.q)
-        energies: FloatArray = term.energy(Configuration(state.t, state.q, state.v, frames)).sum(axis=0)
+        energies: FloatArray = term.energy(
+            Configuration(state.t, state.q, state.v, frames, state.inputs)
+        ).sum(axis=0)
         return energies
 
     def frame(

@@ -40,6 +40,7 @@ class Stage:
         a0: See ``q0``.
         v_end: (slope, constant) of the velocity at t_end.
         a_end: (slope, constant) of the acceleration at t_end.
+        inputs: What controllers put in during the step, shape (K,).
     """
 
     t_stage: float
@@ -51,6 +52,7 @@ class Stage:
     a0: FloatArray
     v_end: tuple[float, FloatArray]
     a_end: tuple[float, FloatArray]
+    inputs: FloatArray
 
     def position(self, q: FloatArray) -> FloatArray:
         """q_s(q)."""
@@ -87,6 +89,7 @@ def at_state(state: State) -> Stage:
         a0=zero,
         v_end=(0.0, zero),
         a_end=(0.0, zero),
+        inputs=state.inputs,
     )
 
 
@@ -147,6 +150,7 @@ def _newmark_stage(s: State, dt: float, beta: float, gamma: float, alpha_f: floa
         a0=m * a_const + alpha_m * s.a,
         v_end=(v_slope, v_const),
         a_end=(av, a_const),
+        inputs=s.inputs,
     )
 
 
@@ -174,6 +178,7 @@ class ImplicitEuler:
             a0=a_const,
             v_end=(1.0 / dt, v_const),
             a_end=(1.0 / dt**2, a_const),
+            inputs=start.inputs,
         )
 
 
@@ -201,6 +206,7 @@ class ImplicitMidpoint:
             a0=a_const,
             v_end=(2.0 / dt, 2.0 * v_const - start.v),
             a_end=(2.0 / dt**2, a_const),
+            inputs=start.inputs,
         )
 
 
@@ -282,6 +288,7 @@ class TrBdf2:
             a0=a_const,
             v_end=(1.0 / c3, v_const),
             a_end=(1.0 / c3**2, a_const),
+            inputs=start.inputs,
         )
 
 
@@ -308,6 +315,7 @@ class Static:
             a0=zero,
             v_end=(0.0, zero),
             a_end=(0.0, zero),
+            inputs=start.inputs,
         )
 
 

@@ -157,7 +157,7 @@ class Stepper:
         v[led] = stage.mean_velocity(before, q, led)
         a[led] = 0.0
         frames = self.model.frames.transport(before.frames, q).state
-        return State(stage.t_end, q, v, a, frames)
+        return State(stage.t_end, q, v, a, frames, before.inputs, before.memory)
 
     def _consistent_acceleration(self, state: State) -> FloatArray:
         """A = -M^-1 r(q, v) on the free DOFs: a wrong start costs Newmark its second order."""

@@ -102,6 +102,7 @@ class System:
             position,
             stage.velocity(q),
             self.model.frames.transport(stored, position),
+            stage.inputs,
         )
 
     def linearize(self, stage: Stage, q: FloatArray, stored: FrameState) -> Linearized:

@@ -10,6 +10,7 @@ from numpy.testing import assert_allclose
 from shell_decks import SHEET, Deck, made, ran, refused, shell_deck, write
 
 from dismech_cli.kinematics.strains import angles_of_curvature
+from dismech_cli.laws.signal import NO_INPUTS
 from dismech_cli.model.driven import DrivenEnergy
 
 __all__ = ["made", "ran", "refused", "write"]
@@ -32,7 +33,7 @@ def test_natural_angles_are_those_of_the_curvature(made: Any, bending: str, angl
     (driven,) = (t for t in built.simulation.model.terms if isinstance(t, DrivenEnergy))
     added = np.zeros_like(driven.energy.natural)
     for drive in driven.drives:
-        added[drive.row, drive.stencils] += drive.factors * drive.law(2.0, drive.places)
+        added[drive.row, drive.stencils] += drive.factors * drive.signal.value(2.0, NO_INPUTS, drive.places)
     x = geometry.nodes[geometry.triangles]
     inside = (x[:, :, 0] <= 0.15 + 1e-12).all(axis=1)
     assert 0 < inside.sum() < len(inside)

@@ -35,6 +35,7 @@ from dismech_cli.forces.pressure import pressure
 from dismech_cli.forces.thrust import thrust
 from dismech_cli.kernels.linearization import all_symmetric
 from dismech_cli.laws.laws import Constant
+from dismech_cli.laws.signal import NO_INPUTS
 from dismech_cli.mesh.generate.rings import hemisphere
 from dismech_cli.mesh.generate.sheets import Pattern, sheet
 from dismech_cli.mesh.measure import nodal_areas, triangle_areas
@@ -278,7 +279,7 @@ def test_place_and_order_of_driven_hinges(made: Any) -> None:
         assert isinstance(driven, DrivenEnergy)
         out = driven.energy.natural[0].copy()
         for drive in driven.drives:
-            out[drive.stencils] += drive.factors * drive.law(2.0, drive.places)
+            out[drive.stencils] += drive.factors * drive.signal.value(2.0, NO_INPUTS, drive.places)
         return out
 
     mesh = sheet(0.2, 0.1, 2, Pattern.RIGHT)

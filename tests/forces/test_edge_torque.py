@@ -48,7 +48,7 @@ def torque(made: Shell) -> EdgeTorque:
 def couple(made: Shell) -> EdgeMoment:
     whole = torque(made)
     none = np.empty(0, dtype=np.int64)
-    return EdgeMoment("couple", whole.tails, whole.heads, none, (0, 1, 2), whole.moments, whole.law)
+    return EdgeMoment("couple", whole.tails, whole.heads, none, (0, 1, 2), whole.moments, whole.signal)
 
 
 def test_derivative(cap: Shell) -> None:
