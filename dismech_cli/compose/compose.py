@@ -9,8 +9,8 @@ import numpy as np
 
 from ..model.model import Model
 from ..model.term import Term
-from ..run.account import Roles
 from ..run.observe import scalar_columns
+from ..run.roles import Roles
 from ..run.simulation import Simulation
 from ..scenario.load import LoadedScenario
 from .bodies.geometry import Geometry
@@ -101,7 +101,7 @@ def _model(scene: Scene, structure: Structure, terms: tuple[Term, ...]) -> Model
 
 def _roles(elastic: Elastic, forces: Forces) -> Roles:
     return Roles(
-        elastic=tuple(name for term in elastic.terms for name in term.shares),
+        elastic=elastic.terms,
         gravitational=tuple(term.name for term in forces.gravitational),
         loads=tuple(term.name for term in forces.loads),
         dissipative=tuple(term.name for term in forces.dissipative),

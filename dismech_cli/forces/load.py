@@ -39,6 +39,11 @@ class DeadLoad:
         return (self.name,)
 
     @property
+    def steady(self) -> bool:
+        """Whether the scale never changes."""
+        return self.signal.constant
+
+    @property
     def couplings(self) -> tuple[Coupling, ...]:
         """None."""
         return ()

@@ -123,6 +123,11 @@ class _BoundVolume:
         """One energy, that of the load."""
         return (self.name,)
 
+    @property
+    def steady(self) -> bool:
+        """Whether the pressure never changes."""
+        return self.load.signal.constant
+
     def energy(self, c: Configuration) -> FloatArray:
         """-p times each face's share of the volume [J], shape (1, T)."""
         x0, x1, x2 = self._corners(c)
@@ -142,11 +147,7 @@ class _BoundVolume:
         tangent = np.zeros((len(x0), 9, 9))
         tangent[:, 0:3, 3:6], tangent[:, 0:3, 6:9], tangent[:, 3:6, 6:9] = x2, -x1, x0
         i, j = np.triu_indices(9)
-        np.add.at(
-            into.stiffness,
-            self.slots,
-            tangent[:, i, j] * (self._pressure(c) / 6.0),
-        )
+        np.add.at(into.stiffness, self.slots, tangent[:, i, j] * (self._pressure(c) / 6.0))
 
     def _pressure(self, c: Configuration) -> float:
         return float(self.load.signal.value(c.t, c.inputs))

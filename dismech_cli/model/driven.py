@@ -11,7 +11,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..arrays import FloatArray, IntArray
+from ..arrays import BoolArray, FloatArray, IntArray
 from ..kernels.driver import Driver
 from ..kernels.linearization import Coupling, Linearization, Pattern
 from ..laws.signal import NO_INPUTS, Signal
@@ -62,34 +62,43 @@ class DrivenEnergy:
         """Those of the energy."""
         return self.energy.couplings
 
+    @property
+    def steady(self) -> bool:
+        """Whether no natural strain ever changes."""
+        return all(drive.signal.constant for drive in self.drives)
+
+    def natural_at(self, t: float, inputs: FloatArray) -> FloatArray:
+        """Natural strains at time ``t``, shape (naturals, S)."""
+        natural = self.energy.natural.copy()
+        for drive in self.drives:
+            natural[drive.row, drive.stencils] += drive.factors * drive.signal.value(t, inputs, drive.places)
+        return natural
+
+    def touching(self, dofs: BoolArray) -> DrivenEnergy | None:
+        """All of it if any stencil holds any of some DOFs, given as a mask (n,): drives act together."""
+        return self if dofs[self.energy.dofs].any() else None
+
     def bind(self, pattern: Pattern, driver: Driver) -> BoundDriven:
         """Bind the energy."""
-        return BoundDriven(self.energy.bind(pattern, driver), self.energy.natural.copy(), self.drives)
+        return BoundDriven(self, self.energy.bind(pattern, driver))
 
 
 class BoundDriven:
     """A driven energy bound to a pattern; remembers the natural strain at the time and inputs last asked."""
 
-    def __init__(self, stencil: BoundStencil, rest: FloatArray, drives: tuple[Drive, ...]) -> None:
-        self.name = stencil.name
-        self.shares = stencil.shares
-        self._rest = rest
-        self._drives = drives
+    def __init__(self, term: DrivenEnergy, stencil: BoundStencil) -> None:
+        self.name = term.name
+        self.shares = term.shares
+        self.steady = term.steady
+        self._term = term
         self._stencil = stencil
         self._time, self._inputs = np.nan, NO_INPUTS
-
-    def natural(self, t: float, inputs: FloatArray) -> FloatArray:
-        """Natural strain at time ``t``, shape (naturals, S)."""
-        natural = self._rest.copy()
-        for drive in self._drives:
-            natural[drive.row, drive.stencils] += drive.factors * drive.signal.value(t, inputs, drive.places)
-        return natural
 
     def at(self, c: Configuration) -> BoundStencil:
         """The energy with its natural strain at the time and the inputs of ``c``."""
         # inputs are frozen: other values are another array
         if c.t != self._time or c.inputs is not self._inputs:
-            self._stencil = self._stencil.actuated(self.natural(c.t, c.inputs))
+            self._stencil = self._stencil.actuated(self._term.natural_at(c.t, c.inputs))
             self._time, self._inputs = c.t, c.inputs
         return self._stencil
 

@@ -86,9 +86,15 @@ class StencilEnergy:
         """Natural strains, shape (naturals, S); a view."""
         return self.parameters[: len(self.kernel.naturals)]
 
-    def touching(self, dofs: BoolArray) -> StencilEnergy:
-        """The stencils that hold any of some DOFs, given as a mask (n,)."""
+    def natural_at(self, t: float, inputs: FloatArray) -> FloatArray:
+        """Natural strains, the same at all times, shape (naturals, S); a view."""
+        return self.natural
+
+    def touching(self, dofs: BoolArray) -> StencilEnergy | None:
+        """The stencils that hold any of some DOFs, given as a mask (n,); None if none does."""
         some = dofs[self.dofs].any(axis=1)
+        if not some.any():
+            return None
         return replace(
             self,
             dofs=self.dofs[some],
@@ -111,10 +117,7 @@ class BoundStencil:
     naturals: int
     loop: StencilLoop
     parameters: FloatArray
-
-    def natural(self, t: float, inputs: FloatArray) -> FloatArray:
-        """Natural strains, the same at all times, shape (naturals, S); a view."""
-        return self.parameters[: self.naturals]
+    steady: ClassVar[bool] = True
 
     def energy(self, c: Configuration) -> FloatArray:
         """Energies [J], shape (shares, S)."""

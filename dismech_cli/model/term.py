@@ -37,6 +37,10 @@ class BoundEnergy(BoundTerm, Protocol):
     def shares(self) -> tuple[str, ...]:
         """Names of the parts of the energy in the account."""
 
+    @property
+    def steady(self) -> bool:
+        """Whether the energy of a shape is the same at all times and under all inputs."""
+
     def energy(self, c: Configuration) -> FloatArray:
         """Energies [J], shape (shares, S): a row per part, a column per stencil."""
 

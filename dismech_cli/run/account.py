@@ -6,42 +6,30 @@ time integrator made or lost: kinetic + elastic + gravitational - initial - work
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
-from functools import cached_property
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from ..arrays import FloatArray
-from ..forces.load import DeadLoad
 from ..kinematics.motion import moving_dofs
-from ..kinematics.rod_frames import Frames, TrialFrames
-from ..model.configuration import Configuration
-from ..model.driven import BoundDriven
 from ..model.model import Model
 from ..model.saved import Arrays, Numbers
 from ..model.state import State
-from ..model.stencil import StencilEnergy
-from ..model.term import BoundEnergy, BoundTerm, Term
+from ..model.term import BoundEnergy
 from ..solve.system import System
+from .roles import Roles
+from .work import Known, Work
 
 # Energy from nowhere, in units of all energy that was given: no damping scheme comes near, and an
 # unstable one passes it within a few steps.
 _RUNAWAY = 100.0
 
 
-@dataclass(frozen=True, slots=True)
-class Roles:
-    """Names of the terms by their place in the account."""
-
-    elastic: tuple[str, ...]
-    gravitational: tuple[str, ...]
-    loads: tuple[str, ...]
-    dissipative: tuple[str, ...]
-
-
 class EnergyAccount:
-    """Sums work over steps; measures stored energies on demand; implements :class:`.saved.Saved`."""
+    """Sums work over steps; measures stored energies on demand.
+
+    Implements :class:`~dismech_cli.model.saved.Saved`.
+    """
 
     columns = ("external_work", "actuation_work", "dissipation", "initial", "largest")
 
@@ -51,35 +39,25 @@ class EnergyAccount:
         self._size = float(np.ptp(model.dofs.positions(model.rest), axis=0).max())
         self._mass = float(model.mass.sum())
         self._roles = roles
-        self._last: _Known | None = None
-        self._bound: Mapping[str, BoundTerm] = {}
+        self._last: Known | None = None
+        self._work: Work
         self._elastic: Sequence[BoundEnergy] = ()
         self._gravitational: Sequence[BoundEnergy] = ()
+        self._actuated: Sequence[BoundEnergy] = ()
+        self._changing: Sequence[BoundEnergy] = ()
         self.sums = dict.fromkeys(self.columns, 0.0)
 
     def bind(self, system: System, t: float) -> None:
         """Use the bound terms of a system from time ``t`` [s] on, with the DOFs that are held then."""
-        model, terms = self._model, system.terms
+        model, roles = self._model, self._roles
+        moving = moving_dofs(model.motions, model.rest, self._initial_velocity, t)
         self._last = None
-        self._moving = moving_dofs(model.motions, model.rest, self._initial_velocity, t)
-        self._resisting = [term.bind(system.pattern, model.driver) for term in self._near_moving()]
-        self._bound = {term.name: term for term in terms}
-        # once per binding: a check against a protocol costs as much as a term
-        energies = [term for term in terms if isinstance(term, BoundEnergy)]
-        self._elastic = [t for t in energies if t.shares[0] in self._roles.elastic]
-        self._gravitational = [t for t in energies if t.name in self._roles.gravitational]
-        self._driven = [t for t in energies if isinstance(t, BoundDriven)]
-        steady = {t.name for t in terms if isinstance(t, DeadLoad) and t.signal.constant}
-        self._changing = [t for t in self._gravitational if t.name not in steady]
-
-    def _near_moving(self) -> Iterator[Term]:
-        """The terms as far as they act on moving DOFs."""
-        mask = np.zeros(self._model.dofs.n, dtype=np.bool_)
-        mask[self._moving] = True
-        for term in self._model.terms if mask.any() else ():
-            near = term.touching(mask) if isinstance(term, StencilEnergy) else term
-            if not isinstance(near, StencilEnergy) or len(near.dofs):
-                yield near
+        self._work = Work(model, roles, system, moving)
+        elastic = {term.name for term in roles.elastic}
+        self._elastic = [term for term in system.energies if term.name in elastic]
+        self._gravitational = [term for term in system.energies if term.name in roles.gravitational]
+        self._actuated = [term for term in self._elastic if not term.steady]
+        self._changing = [term for term in self._gravitational if not term.steady]
 
     def start(self, state: State) -> None:
         """Take the stored energy of ``state`` as the zero of the account."""
@@ -88,23 +66,22 @@ class EnergyAccount:
 
     def advance(self, before: State, after: State) -> None:
         """Book the work of the step between two states."""
+        work, sums = self._work, self.sums
         start, end = self._see(before), self._see(after)
-        if self._moving.size:
-            self.sums["external_work"] += self._work_of_holds(start, end)
-        if self._roles.loads or self._roles.dissipative:
-            middle, moved = self._middle(before, after), after.q - before.q
-            self.sums["external_work"] -= self._work(self._roles.loads, middle, moved)
-            self.sums["dissipation"] += self._work(self._roles.dissipative, middle, moved)
-        self.sums["actuation_work"] += self._change_in_time(self._driven, start, end)
-        self.sums["external_work"] += self._change_in_time(self._changing, start, end)
+        sums["external_work"] += work.of_holds(start, end)
+        loads, dissipated = work.of_forces(before, after)
+        sums["external_work"] += loads
+        sums["dissipation"] += dissipated
+        sums["actuation_work"] += work.in_time(self._actuated, start, end)
+        sums["external_work"] += work.in_time(self._changing, start, end)
 
     def measure(self, state: State) -> Mapping[str, float]:
         """All entries of the account at ``state`` [J]."""
-        c = self._see(state).at(state.t)
+        c = self._see(state).at(state)
         entries = {"kinetic": 0.5 * float(self._model.mass @ (state.v * state.v))}
         for term in self._elastic:
             entries |= zip(term.shares, term.energy(c).sum(axis=1).tolist(), strict=True)
-        entries["elastic"] = sum(entries[name] for name in self._roles.elastic)
+        entries["elastic"] = sum(entries[name] for name in self._roles.shares)
         entries["gravitational"] = sum(float(term.energy(c).sum()) for term in self._gravitational)
         entries["total"] = entries["kinetic"] + entries["elastic"] + entries["gravitational"]
         s = self.sums
@@ -150,81 +127,8 @@ class EnergyAccount:
         given += abs(entries["gravitational"]) + self._mass * speed**2
         return entries["error"] > _RUNAWAY * given
 
-    def _work_of_holds(self, before: _Known, after: _Known) -> float:
-        """Work of what holds and drives [J]: against all forces by the trapezoidal rule, and on masses.
-
-        Mean forces, not forces of the mean state: there, edges that turn are shorter.
-        """
-        moving = self._moving
-        path = after.state.q[moving] - before.state.q[moving]
-        squares = after.state.v[moving] ** 2 - before.state.v[moving] ** 2
-        work = 0.5 * float(self._model.mass[moving] @ squares)
-        if path.any():
-            work += 0.5 * float((self._resistance(before) + self._resistance(after)) @ path)
-        return work
-
-    def _resistance(self, known: _Known) -> FloatArray:
-        """Residual on the moving DOFs."""
-        if known.resistance is None:
-            r = np.zeros_like(known.state.q)
-            c = known.at(known.state.t)
-            for term in self._resisting:
-                term.add_residual(c, r)
-            known.resistance = r[self._moving]
-        return known.resistance
-
-    def _middle(self, before: State, after: State) -> Configuration:
-        """The mean state of a step, where work is measured with second-order accuracy."""
-        q = 0.5 * (before.q + after.q)
-        # pseudo-time has no speed
-        v = (after.q - before.q) / (after.t - before.t) if self._mass else np.zeros_like(q)
-        return Configuration(0.5 * (before.t + after.t), q, v, self._model.frames.transport(before.frames, q))
-
-    def _work(self, names: tuple[str, ...], c: Configuration, moved: FloatArray) -> float:
-        """Residual of the named terms times displacement [J]: the work done against them."""
-        r = np.zeros_like(moved)
-        for name in names:
-            self._bound[name].add_residual(c, r)
-        return float(r @ moved)
-
-    def _change_in_time(self, terms: Sequence[BoundEnergy], before: _Known, after: _Known) -> float:
-        """Change of energies by time alone [J], the mean of that at both shapes."""
-        if not terms:
-            return 0.0
-        late, early = before.at(after.state.t), after.at(before.state.t)
-        stored = self._stored(terms, after) - self._stored(terms, before)
-        crossed = sum(float(term.energy(late).sum()) for term in terms)
-        crossed -= sum(float(term.energy(early).sum()) for term in terms)
-        return 0.5 * (crossed + stored)
-
-    def _stored(self, terms: Sequence[BoundEnergy], known: _Known) -> float:
-        """Energy of terms at their own time [J]."""
-        total = 0.0
-        for term in terms:
-            if term.name not in known.energies:
-                known.energies[term.name] = float(term.energy(known.at(known.state.t)).sum())
-            total += known.energies[term.name]
-        return total
-
-    def _see(self, state: State) -> _Known:
+    def _see(self, state: State) -> Known:
         """What is known of a state; a step begins at the end of the last one."""
         if self._last is None or self._last.state is not state:
-            self._last = _Known(state, self._model.frames)
+            self._last = Known(state, self._model.frames)
         return self._last
-
-
-@dataclass
-class _Known:
-    """A state, and what has been computed of it."""
-
-    state: State
-    frames: Frames
-    resistance: FloatArray | None = None
-    energies: dict[str, float] = field(default_factory=dict)
-
-    @cached_property
-    def transported(self) -> TrialFrames:
-        return self.frames.transport(self.state.frames, self.state.q)
-
-    def at(self, t: float) -> Configuration:
-        return Configuration(t, self.state.q, self.state.v, self.transported)

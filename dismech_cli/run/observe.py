@@ -6,14 +6,13 @@ from collections.abc import Callable, Mapping
 
 from ..arrays import FloatArray
 from ..model.configuration import Configuration
-from ..model.driven import BoundDriven
 from ..model.state import State
-from ..model.stencil import BoundStencil
 from ..output.frame import Frame
 from ..solve.step import Stepper
-from .account import EnergyAccount, Roles
+from .account import EnergyAccount
 from .observables.probes import Probe
 from .observables.snapshot import Snapshot
+from .roles import Roles
 from .simulation import Simulation
 
 ENERGY_COLUMNS = (
@@ -30,7 +29,7 @@ def scalar_columns(roles: Roles, probes: Mapping[str, Probe]) -> dict[str, str]:
     """Names and units of the scalar table, in order."""
     columns = {"dt": "s", "newton_iterations": "1", "residual": "N"}
     columns |= dict.fromkeys(ENERGY_COLUMNS[:2], "J")
-    columns |= {f"elastic_{name}": "J" for name in roles.elastic}
+    columns |= {f"elastic_{name}": "J" for name in roles.shares}
     columns |= dict.fromkeys(ENERGY_COLUMNS[2:], "J")
     columns |= {"max_speed": "m/s", "wall": "s"}
     return columns | {name: probe.unit for name, probe in probes.items()}
@@ -43,6 +42,7 @@ class Observer:
         self._simulation = simulation
         self._stepper = stepper
         self._account = account
+        self._elastic = {term.name: term for term in simulation.roles.elastic}
 
     def snapshot(self, state: State, residual: FloatArray) -> Snapshot:
         """Wrap a state."""
@@ -54,20 +54,14 @@ class Observer:
             measure,
             lambda: self._stepper.negative_eigenvalues(state),
             lambda name: self._stencil_energies(name, state),
-            lambda name: self._stencils(name).natural(state.t, state.inputs),
+            lambda name: self._elastic[name].natural_at(state.t, state.inputs),
         )
 
-    def _stencils(self, name: str) -> BoundStencil | BoundDriven:
-        (term,) = (term for term in self._stepper.system.terms if term.name == name)
-        assert isinstance(term, BoundStencil | BoundDriven)
-        return term
-
     def _stencil_energies(self, name: str, state: State) -> FloatArray:
-        term = self._stencils(name)
+        (term,) = (term for term in self._stepper.system.energies if term.name == name)
         frames = self._simulation.model.frames.transport(state.frames, state.q)
-        energies: FloatArray = term.energy(
-            Configuration(state.t, state.q, state.v, frames, state.inputs)
-        ).sum(axis=0)
+        c = Configuration(state.t, state.q, state.v, frames, state.inputs)
+        energies: FloatArray = term.energy(c).sum(axis=0)
         return energies
 
     def frame(
@@ -78,7 +72,7 @@ class Observer:
         energies = s.energies
         scalars = {"dt": dt, "newton_iterations": float(iterations), "residual": residual_norm, "wall": wall}
         scalars |= {name: energies[name] for name in ENERGY_COLUMNS}
-        scalars |= {f"elastic_{name}": energies[name] for name in self._simulation.roles.elastic}
+        scalars |= {f"elastic_{name}": energies[name] for name in self._simulation.roles.shares}
         v = s.dofs.positions(s.state.v)[:visible]
         scalars["max_speed"] = float((v * v).sum(axis=1).max()) ** 0.5
         scalars |= {name: probe(s) for name, probe in self._simulation.probes.items()}

@@ -10,9 +10,9 @@ from ..model.model import Model
 from ..output.frame import Topology
 from ..solve.integrators import Integrator
 from ..solve.problem import NewtonSettings
-from .account import Roles
 from .observables.probes import Probe
 from .observables.rod_fields import Field
+from .roles import Roles
 from .step_control import StepControl
 
 

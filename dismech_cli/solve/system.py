@@ -77,6 +77,11 @@ class System:
         changing = () if self._overlay is None else self._overlay.terms
         return (*self._exact.symmetric, *self._exact.general, *changing)
 
+    @property
+    def energies(self) -> list[BoundEnergy]:
+        """The bound terms whose residual is the gradient of an energy."""
+        return self._energies
+
     @cached_property
     def _projected(self) -> Terms:
         """The terms with projected tangents; bound when first needed, which is seldom."""

@@ -62,6 +62,7 @@ class _Bound:
         self.springs = springs
         self.name = springs.name
         self.shares = (springs.name,)
+        self.steady = True
         self.active = np.empty(0, dtype=np.int64)
         self._slots = np.empty((0, 1), dtype=np.int64)
 

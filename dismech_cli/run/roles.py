@@ -1,0 +1,29 @@
+"""Who counts as what in the energy account."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ..model.elastic import Elastic
+
+
+@dataclass(frozen=True, slots=True)
+class Roles:
+    """The terms of a model by their place in the account.
+
+    Attributes:
+        elastic: Terms that store elastic energy.
+        gravitational: Names of those that store gravitational energy.
+        loads: Names of those whose work counts as external.
+        dissipative: Names of those that take energy out.
+    """
+
+    elastic: tuple[Elastic, ...]
+    gravitational: tuple[str, ...]
+    loads: tuple[str, ...]
+    dissipative: tuple[str, ...]
+
+    @property
+    def shares(self) -> tuple[str, ...]:
+        """Names of all parts of the elastic energy."""
+        return tuple(name for term in self.elastic for name in term.shares)

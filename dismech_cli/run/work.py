@@ -1,0 +1,135 @@
+"""Work done during a step [J], between the states at its ends."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from ..arrays import FloatArray, IntArray
+from ..kinematics.rod_frames import Frames, TrialFrames
+from ..model.configuration import Configuration
+from ..model.model import Model
+from ..model.state import State
+from ..model.term import BoundEnergy, BoundTerm, Term
+from ..solve.system import System
+from .roles import Roles
+
+
+@dataclass
+class Known:
+    """A state, and what has been computed of it."""
+
+    state: State
+    frames: Frames
+    resistance: FloatArray | None = None
+    energies: dict[str, float] = field(default_factory=dict)
+
+    @cached_property
+    def transported(self) -> TrialFrames:
+        """Frames at the state."""
+        return self.frames.transport(self.state.frames, self.state.q)
+
+    def at(self, other: State) -> Configuration:
+        """Its shape at the time and under the inputs of another state."""
+        return Configuration(other.t, self.state.q, self.state.v, self.transported, other.inputs)
+
+
+class Work:
+    """Measures work with the bound terms of one system."""
+
+    def __init__(self, model: Model, roles: Roles, system: System, moving: IntArray) -> None:
+        """Find the terms.
+
+        Args:
+            model: The semi-discrete system.
+            roles: Place of its terms in the account.
+            system: The model bound to the DOFs that are free.
+            moving: Held DOFs that move.
+        """
+        self._model = model
+        self._moving = moving
+        self._moves = bool(model.mass.any())
+        self._resisting = [term.bind(system.pattern, model.driver) for term in _near(model, roles, moving)]
+        bound = {term.name: term for term in system.terms}
+        self._loads = [bound[name] for name in roles.loads]
+        self._dissipative = [bound[name] for name in roles.dissipative]
+
+    def of_holds(self, before: Known, after: Known) -> float:
+        """Of what holds and drives: against all forces by the trapezoidal rule, and on masses.
+
+        Mean forces, not forces of the mean state: there, edges that turn are shorter.
+        """
+        moving = self._moving
+        if not moving.size:
+            return 0.0
+        path = after.state.q[moving] - before.state.q[moving]
+        squares = after.state.v[moving] ** 2 - before.state.v[moving] ** 2
+        work = 0.5 * float(self._model.mass[moving] @ squares)
+        if path.any():
+            work += 0.5 * float((self._resistance(before) + self._resistance(after)) @ path)
+        return work
+
+    def of_forces(self, before: State, after: State) -> tuple[float, float]:
+        """Of loads, and into dissipation: at the mean state, with second-order accuracy."""
+        if not self._loads and not self._dissipative:
+            return 0.0, 0.0
+        q, moved = 0.5 * (before.q + after.q), after.q - before.q
+        # pseudo-time has no speed
+        v = moved / (after.t - before.t) if self._moves else np.zeros_like(q)
+        frames = self._model.frames.transport(before.frames, q)
+        c = Configuration(0.5 * (before.t + after.t), q, v, frames, after.inputs)
+        return -_against(self._loads, c, moved), _against(self._dissipative, c, moved)
+
+    def in_time(self, terms: Sequence[BoundEnergy], before: Known, after: Known) -> float:
+        """Of what changes energies at a fixed shape: the mean of that at both shapes."""
+        if not terms:
+            return 0.0
+        late, early = before.at(after.state), after.at(before.state)
+        stored = _stored(terms, after) - _stored(terms, before)
+        crossed = sum(float(term.energy(late).sum()) for term in terms)
+        crossed -= sum(float(term.energy(early).sum()) for term in terms)
+        return 0.5 * (crossed + stored)
+
+    def _resistance(self, known: Known) -> FloatArray:
+        """Residual on the moving DOFs."""
+        if known.resistance is None:
+            r = np.zeros_like(known.state.q)
+            c = known.at(known.state)
+            for term in self._resisting:
+                term.add_residual(c, r)
+            known.resistance = r[self._moving]
+        return known.resistance
+
+
+def _near(model: Model, roles: Roles, moving: IntArray) -> Iterator[Term]:
+    """The terms as far as they may act on moving DOFs."""
+    if not moving.size:
+        return
+    mask = np.zeros(model.dofs.n, dtype=np.bool_)
+    mask[moving] = True
+    elastic = {term.name: term for term in roles.elastic}
+    for term in model.terms:
+        near = elastic[term.name].touching(mask) if term.name in elastic else term
+        if near is not None:
+            yield near
+
+
+def _against(terms: Sequence[BoundTerm], c: Configuration, moved: FloatArray) -> float:
+    """Residual of terms times displacement: the work done against them."""
+    r = np.zeros_like(moved)
+    for term in terms:
+        term.add_residual(c, r)
+    return float(r @ moved)
+
+
+def _stored(terms: Sequence[BoundEnergy], known: Known) -> float:
+    """Energy of terms at their own time."""
+    total = 0.0
+    for term in terms:
+        if term.name not in known.energies:
+            known.energies[term.name] = float(term.energy(known.at(known.state)).sum())
+        total += known.energies[term.name]
+    return total
