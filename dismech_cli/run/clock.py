@@ -84,7 +84,7 @@ class Clock:
             part, level = part // 2, level - 1
         if part >= 2**level and level == 0:
             # the next nominal step starts one level coarser than this one ended
-            return replace(self, index=self.index + 1, part=0, level=max(self.level - 1, 0))
+            return Clock(self.grid, self.max_cuts, self.index + 1, 0, max(self.level - 1, 0))
         return replace(self, part=part, level=level)
 
     def failed(self) -> Clock:

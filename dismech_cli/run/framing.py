@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import time
+
 from ..model.saved import Arrays, Numbers
 from ..solve.step import StepResult
 from .observables.snapshot import Snapshot
@@ -55,16 +57,17 @@ class Framing:
         due = result.state.t >= self.frames * self._every * (1.0 - 1e-12) or last
         if not due and not self._watched:
             return None
-        watch = self._stopwatch
-        with watch.phase("observe"):
-            snapshot = self._observer.snapshot(result.state, result.residual)
-            self._watched.read(snapshot)
-            if not due:
-                return None
-            since = iterations - self._iterations
-            frame = self._observer.frame(self.frames, snapshot, dt, since, result.residual_norm, watch.wall)
-        with watch.phase("write"):
-            self._sink.frame(frame)
+        watch, tick = self._stopwatch, time.perf_counter()
+        snapshot = self._observer.snapshot(result.state, result.residual)
+        self._watched.read(snapshot)
+        if not due:
+            watch.book("observe", tick)
+            return None
+        since = iterations - self._iterations
+        frame = self._observer.frame(self.frames, snapshot, dt, since, result.residual_norm, watch.wall)
+        tick = watch.book("observe", tick)
+        self._sink.frame(frame)
+        watch.book("write", tick)
         self.frames += 1
         self._iterations = iterations
         return snapshot

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 
 from ..model.saved import Arrays, Numbers
@@ -60,12 +58,19 @@ class Stopwatch:
         """Time of all processes that worked on the run [s]."""
         return self._before + self.elapsed
 
-    @contextmanager
-    def phase(self, name: str) -> Iterator[None]:
-        """Count what happens inside as one of the phases."""
-        tick = time.perf_counter()
-        yield
-        self.seconds[name] += time.perf_counter() - tick
+    def book(self, phase: str, since: float) -> float:
+        """Count the time since a tick as one of the phases.
+
+        Args:
+            phase: Key of ``seconds``.
+            since: The tick: a reading of :func:`time.perf_counter` [s].
+
+        Returns:
+            The next tick.
+        """
+        now = time.perf_counter()
+        self.seconds[phase] += now - since
+        return now
 
     def arrays(self) -> Arrays:
         """None."""
