@@ -16,6 +16,7 @@ from typing import Literal
 from ..errors import OutputError
 from .durable import output_errors, write_bytes
 from .jsonable import Json, dumps
+from .threads import thread_settings
 
 FILE_NAME = "manifest.json"
 
@@ -32,13 +33,6 @@ _PACKAGES = (
     "numba",
     "pyvista",
     "vtk",
-)
-_THREAD_VARIABLES = (
-    "OMP_NUM_THREADS",
-    "MKL_NUM_THREADS",
-    "OPENBLAS_NUM_THREADS",
-    "NUMBA_NUM_THREADS",
-    "MKL_CBWR",
 )
 
 
@@ -63,11 +57,6 @@ def platform_facts() -> dict[str, str]:
         "cores": str(os.cpu_count() or 1),
         "implementation": platform.python_implementation(),
     }
-
-
-def thread_settings() -> dict[str, str]:
-    """Environment variables that set the number of threads, where they are set."""
-    return {name: os.environ[name] for name in _THREAD_VARIABLES if name in os.environ}
 
 
 def utc_now() -> str:

@@ -9,7 +9,8 @@ from pathlib import Path
 
 from ..errors import RenderError
 from ..kernels.cache import cache_folder
-from ..output.manifest import installed_versions, platform_facts, thread_settings
+from ..output.manifest import installed_versions, platform_facts
+from ..output.threads import thread_settings
 from ..render.encode import require_encoder
 from ..render.probe import find_renderer
 from ..solve.linear.pardiso import pardiso_available

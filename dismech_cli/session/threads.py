@@ -7,8 +7,8 @@ import json
 import os
 from pathlib import Path
 
-_COUNTS = ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS")
-_REPRODUCIBLE = "MKL_CBWR"
+from ..output.threads import COUNTS, REPRODUCIBLE
+
 _MANIFEST = "manifest.json"
 
 
@@ -20,20 +20,20 @@ def use_threads(threads: int | None, deterministic: bool) -> None:
             help below some 10 000 degrees of freedom.
         deterministic: Makes MKL give the same bits on every run.
     """
-    for name in _COUNTS:
+    for name in COUNTS:
         if threads is not None:
             os.environ[name] = str(threads)
         else:
             os.environ.setdefault(name, "1")
     if deterministic:
-        os.environ[_REPRODUCIBLE] = "AUTO"
+        os.environ[REPRODUCIBLE] = "AUTO"
 
 
 def use_threads_of(run_dir: Path) -> None:
     """Set what a run was started with, so that its continuation gives the same bits."""
     with contextlib.suppress(OSError, ValueError, AttributeError):
         recorded = json.loads((run_dir / _MANIFEST).read_text(encoding="utf-8"))["threads"]
-        for name in (*_COUNTS, _REPRODUCIBLE):
+        for name in (*COUNTS, REPRODUCIBLE):
             if name in recorded:
                 os.environ[name] = str(recorded[name])
     use_threads(None, False)

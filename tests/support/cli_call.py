@@ -10,7 +10,7 @@ from cli_process import Done
 
 from dismech_cli.cli.app import app
 from dismech_cli.cli.exits import exit_code
-from dismech_cli.session.threads import _COUNTS
+from dismech_cli.output.threads import COUNTS
 
 Call = Callable[..., Done]
 
@@ -21,7 +21,7 @@ def call(
 ) -> Callable[..., Done]:
     """Call the program in an empty folder; its thread settings do not outlive the test."""
     monkeypatch.chdir(tmp_path)
-    for name in _COUNTS:
+    for name in COUNTS:
         monkeypatch.setenv(name, "1")
     monkeypatch.delenv("MKL_CBWR", raising=False)
 
