@@ -78,6 +78,11 @@ def name_of(dimension: Dimension) -> str:
     return "a quantity in " + " ".join(units)
 
 
+def with_unit(number: str, unit: str) -> str:
+    """``3 m``; ``3`` where the unit is ``1`` or there is none."""
+    return number if unit in ("", "1") else f"{number} {unit}"
+
+
 class _Units:
     """Reads ``N*s/m^2``: factors joined by ``*``, ``/`` or a blank, with whole powers and brackets."""
 

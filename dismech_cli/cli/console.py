@@ -1,15 +1,19 @@
-"""What the user sees: results on stdout, everything else on stderr and in the log of the run."""
+"""What the user sees: results on stdout, everything else on stderr."""
 
 from __future__ import annotations
 
 import contextlib
 import os
 import sys
-from dataclasses import dataclass
-from datetime import UTC, datetime
-from pathlib import Path
+from dataclasses import dataclass, field
+from types import TracebackType
+from typing import TYPE_CHECKING, Self
 
 from ..errors import OutputError
+from .progress import Display, Nothing, count_frames
+
+if TYPE_CHECKING:  # the run loop loads NumPy
+    from ..run.sink import Progress
 
 QUIET, NORMAL, VERBOSE = 0, 1, 2
 
@@ -42,15 +46,26 @@ def colored() -> bool:
 
 @dataclass(slots=True)
 class Console:
-    """Writes to stderr, and to a log file once there is one.
+    """The narrator of the terminal: writes to stderr. As a context manager it leaves the terminal tidy.
 
     Attributes:
         level: ``QUIET`` shows warnings and errors, ``NORMAL`` progress too, ``VERBOSE`` all.
-        log: The file that also gets every line, with the time.
+        display: Shows where a run stands.
     """
 
     level: int = NORMAL
-    log: Path | None = None
+    display: Display = field(default_factory=Nothing)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.display.clear()
 
     def detail(self, text: str) -> None:
         """For those who asked for more."""
@@ -68,14 +83,22 @@ class Console:
         """Why the program stops."""
         self._write(text, True, "error", _RED)
 
+    def progress(self, progress: Progress) -> None:
+        """Where a run stands."""
+        if self.level >= NORMAL:
+            self.display.update(progress)
+
+    def drawn(self, done: int, total: int) -> None:
+        """How many frames of the pictures are drawn."""
+        if self.level >= NORMAL:
+            count_frames(done, total, sys.stderr, os.environ.get("TERM"))
+
     def _write(self, text: str, shown: bool, label: str = "", color: str = "") -> None:
+        if not shown:
+            return
+        self.display.clear()
         start = f"{label}: " if label else ""
-        if self.log is not None:
-            # The run goes on without a log; what stops it is told by the result files.
-            with contextlib.suppress(OSError), self.log.open("a", encoding="utf-8") as file:
-                file.write(f"{datetime.now(UTC):%Y-%m-%dT%H:%M:%SZ} {start}{text}\n")
-        if shown:
-            start = f"{color}{start.rstrip()}{_END} " if label and colored() else start
-            # Nobody reading the progress is no reason to stop a simulation.
-            with contextlib.suppress(OSError):
-                print(f"{start}{text}", file=sys.stderr, flush=True)
+        start = f"{color}{start.rstrip()}{_END} " if label and colored() else start
+        # Nobody reading the progress is no reason to stop a simulation.
+        with contextlib.suppress(OSError):
+            print(f"{start}{text}", file=sys.stderr, flush=True)

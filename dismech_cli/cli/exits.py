@@ -1,4 +1,4 @@
-"""The one place that turns what happened into an exit code."""
+"""The one place where what happened ends the process."""
 
 from __future__ import annotations
 
@@ -6,30 +6,16 @@ import os
 import sys
 import traceback
 from collections.abc import Sequence
-from enum import IntEnum
 from typing import Any, NoReturn
 
 import typer
 
 from ..errors import DismechError
+from ..session.exit_codes import Exit
 from .console import ClosedPipeError, Console
 
 # The base of all usage errors: the module that defines it differs between versions of Typer.
 _UsageError: Any = typer.BadParameter.__base__
-
-
-class Exit(IntEnum):
-    """Exit codes of the program, beside 128 + signal for an interruption."""
-
-    DONE = 0
-    BUG = 1
-    INPUT = 2
-    SOLVER = 3
-    EXPECTATION = 4
-    OUTPUT = 5
-    RENDER = 6
-    INTERRUPTED = 130
-    CLOSED_PIPE = 141
 
 
 def leave(app: typer.Typer, arguments: Sequence[str] | None) -> NoReturn:
@@ -72,10 +58,3 @@ def exit_code(app: typer.Typer, arguments: Sequence[str] | None) -> int:
         traceback.print_exc()
         console.error("this is a bug in dismech: please report it with the lines above and the scenario")
         return Exit.BUG
-
-
-def code_of(error: BaseException) -> int:
-    """The code with which ``error`` will end the program, for the record of a run."""
-    if isinstance(error, DismechError):
-        return error.exit_code
-    return Exit.INTERRUPTED if isinstance(error, KeyboardInterrupt) else Exit.BUG

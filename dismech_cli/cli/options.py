@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import os
 import re
-from dataclasses import dataclass
+import sys
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from .console import NORMAL, QUIET, VERBOSE
+from .console import NORMAL, QUIET, VERBOSE, Console
+from .progress import make_display
 
 _SECONDS = {"ms": 1e-3, "s": 1.0, "m": 60.0, "min": 60.0, "h": 3600.0, "d": 86400.0}
 _DURATION = re.compile(r"(?P<number>\d+(\.\d*)?|\.\d+)\s*(?P<unit>[a-z]*)")
@@ -106,21 +108,11 @@ Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="Only warnings, error
 Verbose = Annotated[bool, typer.Option("-v", "--verbose", help="The plan with its reasons, and every event.")]
 
 
-@dataclass(frozen=True, slots=True)
-class Pause:
-    """When to pause, as given.
-
-    Attributes:
-        until: Simulated time with unit, or None.
-        wall: Wall time [s], or None.
-        checkpoint_every: Wall time between checkpoints [s].
-    """
-
-    until: str | None
-    wall: float | None
-    checkpoint_every: float
-
-
 def level(quiet: bool, verbose: bool) -> int:
     """How much to say; being quiet wins."""
     return QUIET if quiet else VERBOSE if verbose else NORMAL
+
+
+def narrator(progress: Shown, quiet: bool, verbose: bool) -> Console:
+    """The terminal of a run."""
+    return Console(level(quiet, verbose), make_display(progress.value, sys.stderr, os.environ.get("TERM")))

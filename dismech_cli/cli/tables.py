@@ -13,8 +13,3 @@ def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
         "  ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)).rstrip()
         for line in lines
     )
-
-
-def with_unit(number: str, unit: str) -> str:
-    """``3 m``; ``3`` where the unit is ``1`` or there is none."""
-    return number if unit in ("", "1") else f"{number} {unit}"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import shutil
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -17,15 +17,12 @@ from ..output.frame import Frame, Topology, Writer
 from ..output.jsonable import Json
 from ..output.run_directory import CHECKPOINT_FOLDER, EVENTS_FILE
 from ..output.writers import WRITERS, make_writer
-from .progress import Reporter
 from .sink import Progress
 
 _FORMAT, _IDENTITY, _NUMBERS = "format", "identity", "numbers"
 # Raised whenever a part of a run saves itself under other names.
 _VERSION = 2
 _PRODUCTS = (EVENTS_FILE, *(name for kind in WRITERS.values() for name in kind.products))
-
-Note = Callable[[str], None]
 
 
 class Recorder:
@@ -35,23 +32,12 @@ class Recorder:
         run_dir: The run directory; the caller holds its lock.
         writers: Names of the writers.
         identity: What the run is, stored in every checkpoint: see :func:`load_checkpoint`.
-        reporter: Told where the run stands.
-        note: Told about events, one line each.
     """
 
-    def __init__(
-        self,
-        run_dir: Path,
-        writers: Sequence[str],
-        identity: Mapping[str, Json],
-        reporter: Reporter,
-        note: Note,
-    ) -> None:
+    def __init__(self, run_dir: Path, writers: Sequence[str], identity: Mapping[str, Json]) -> None:
         self._run_dir = run_dir
         self._names = tuple(writers)
         self._identity = identity
-        self._reporter = reporter
-        self._note = note
         self._writers: list[Writer] = []
         self._events: EventLog | None = None
 
@@ -84,8 +70,6 @@ class Recorder:
         """
         assert self._events is not None
         self._events.add(kind, t, **details)
-        shown = ", ".join(f"{key} {value}" for key, value in details.items() if key != "message")
-        self._note(f"{kind.replace('_', ' ')} at t = {t:.6g} s{': ' if shown else ''}{shown}")
 
     def checkpoint(self, arrays: Arrays, numbers: Numbers) -> None:
         """Write a checkpoint.
@@ -95,11 +79,9 @@ class Recorder:
         """
         meta: dict[str, Json] = {_FORMAT: _VERSION, _IDENTITY: self._identity, _NUMBERS: dict(numbers)}
         checkpoint.save(self._run_dir / CHECKPOINT_FOLDER, arrays, meta)
-        self._note(f"checkpoint at t = {Checkpoint(arrays, numbers).t:.6g} s")
 
     def progress(self, progress: Progress) -> None:
-        """Show where the run stands."""
-        self._reporter.update(progress)
+        """Do nothing: the frames say where the run stands."""
 
     def close(self) -> None:
         """Close all files; safe to call twice.
@@ -107,7 +89,6 @@ class Recorder:
         Raises:
             OutputError: If the last bytes could not be written; the other files are closed all the same.
         """
-        self._reporter.close()
         writers, self._writers = self._writers, []
         with contextlib.ExitStack() as stack:
             for writer in writers:

@@ -1,4 +1,4 @@
-"""One run, from what was built to the record of how it ended; the same for a run and its resumption."""
+"""One run, from what was composed to the record of how it ended; the same for a run and its resumption."""
 
 from __future__ import annotations
 
@@ -6,20 +6,21 @@ from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import cast
 
-from ..cli.console import Console
-from ..cli.exits import Exit, code_of
 from ..compose.compose import Composition
 from ..errors import DismechError, OutputError
 from ..output.jsonable import Json
 from ..output.manifest import Manifest, Status, utc_now
 from ..run.interrupt import StopRequest
-from ..run.loop import End, Limits, Outcome, run
-from ..run.progress import Reporter
+from ..run.loop import Limits, Outcome, run
 from ..run.recorder import Checkpoint, Recorder
+from ..run.sink import Sink
 from ..scenario.load import LoadedScenario
-from .verdicts import Verdict, judge
+from .ending import Ending, conclude
+from .exit_codes import code_of
+from .narrator import Narrator
+from .sinks import Several, Telling
+from .verdicts import Verdict
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -28,83 +29,91 @@ class Session:
 
     Attributes:
         loaded: The scenario.
-        built: What was built from it.
+        composition: What was composed from it.
         run_dir: Where results go; locked by the caller.
         manifest: As saved, status ``running``.
         identity: What a checkpoint must agree with.
         checkpoint: Where to go on from, or None.
         limits: When to pause.
-        reporter: Shows progress.
-        console: Shows everything else.
+        narrator: Told what happens.
+        sinks: Given what the files are given, after them.
     """
 
     loaded: LoadedScenario
-    built: Composition
+    composition: Composition
     run_dir: Path
     manifest: Manifest
     identity: Mapping[str, Json]
     checkpoint: Checkpoint | None
     limits: Limits
-    reporter: Reporter
-    console: Console
+    narrator: Narrator
+    sinks: tuple[Sink, ...] = ()
 
 
-@dataclass(frozen=True, slots=True)
-class Report:
-    """How a session ended.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Record:
+    """A run as recorded.
 
     Attributes:
+        run_dir: Where it lies.
         manifest: As saved.
-        verdicts: One per expectation, if the run came to its end.
+        verdicts: One per expectation, if the run came to its end in this process.
+        outcome: What this process stepped; None if it stepped nothing or was stopped at once.
     """
 
+    run_dir: Path
     manifest: Manifest
-    verdicts: tuple[Verdict, ...]
+    verdicts: tuple[Verdict, ...] = ()
+    outcome: Outcome | None = None
 
 
-def conduct(session: Session, stop: StopRequest) -> Report:
+def conduct(session: Session, stop: StopRequest) -> Record:
     """Step to the end, a failure or an interruption, and record it.
 
     Raises:
         OutputError: A result could not be written; the manifest says so if that was still possible.
     """
-    recorder = Recorder(
-        session.run_dir,
-        session.loaded.scenario.output.writers,
-        session.identity,
-        session.reporter,
-        session.console.detail,
-    )
+    run_dir, narrator = session.run_dir, session.narrator
+    recorder = Recorder(run_dir, session.loaded.scenario.output.writers, session.identity)
     try:
         outcome = _run(session, recorder, stop)
         recorder.close()
     except KeyboardInterrupt:
         _abandon(recorder)
-        session.console.error(f"stopped at once; resume with: dismech resume {session.run_dir}")
-        return Report(_ended(session, "interrupted", stop.exit_code, "stopped at once"), ())
+        narrator.error(f"stopped at once; {_advice(run_dir)}")
+        manifest = _ended(session, "interrupted", Ending(stop.exit_code, "stopped at once"))
+        return Record(run_dir=run_dir, manifest=manifest)
     except BaseException as error:
         _abandon(recorder)
         with suppress(OutputError):
             message = str(error) if isinstance(error, DismechError) else repr(error)
-            _ended(session, "failed", code_of(error), message)
+            _ended(session, "failed", Ending(code_of(error), message))
         raise
-    return _conclude(session, outcome, stop)
+    ending = conclude(
+        session.loaded.scenario, outcome, session.limits, stop, narrator, advice=_advice(run_dir)
+    )
+    manifest = _ended(session, outcome.end.value, ending, outcome)
+    return Record(run_dir=run_dir, manifest=manifest, verdicts=ending.verdicts, outcome=outcome)
 
 
 def _run(session: Session, recorder: Recorder, stop: StopRequest) -> Outcome:
-    simulation = session.built.simulation
+    simulation = session.composition.simulation
     resume_at = None if session.checkpoint is None else session.checkpoint.t
     versions = {f"version.{name}": text for name, text in session.manifest.versions.items()}
     metadata = {"name": simulation.name, "scenario": str(session.identity["scenario"]), **versions}
     recorder.open(simulation.topology, metadata, resume_at)
     return run(
         simulation,
-        recorder,
+        Several((recorder, *session.sinks, Telling(session.narrator))),
         limits=session.limits,
         stop=stop,
         resume_from=session.checkpoint,
-        announce=session.console.detail,
+        announce=session.narrator.detail,
     )
+
+
+def _advice(run_dir: Path) -> str:
+    return f"resume with: dismech resume {run_dir}"
 
 
 def _abandon(recorder: Recorder) -> None:
@@ -113,41 +122,7 @@ def _abandon(recorder: Recorder) -> None:
         recorder.close()
 
 
-def _conclude(session: Session, outcome: Outcome, stop: StopRequest) -> Report:
-    console, t = session.console, outcome.state.t
-    resume = f"resume with: dismech resume {session.run_dir}"
-    verdicts: tuple[Verdict, ...] = ()
-    code: int
-    match outcome.end:
-        case End.FAILED:
-            console.error(f"{outcome.message}\n  {resume}")
-            code, message = Exit.SOLVER, outcome.message
-        case End.INTERRUPTED:
-            message = f"{outcome.message} at t = {t:.6g} s"
-            console.say(f"{message}; {resume}")
-            code = _pause_code(session.limits, outcome, stop)
-        case End.DONE:
-            for doubt in outcome.doubts:
-                console.warn(doubt)
-            verdicts = judge(session.loaded.scenario.expect, outcome)
-            missed = [v.name for v in verdicts if not v.passed]
-            code = Exit.EXPECTATION if missed else Exit.DONE
-            message = f"missed: {', '.join(missed)}" if missed else ""
-            if missed:
-                console.error(f"expectation {message}")
-    return Report(_ended(session, outcome.end.value, code, message, outcome), verdicts)
-
-
-def _pause_code(limits: Limits, outcome: Outcome, stop: StopRequest) -> int:
-    """A pause at a simulated time is what was asked for; one by the wall clock cuts the run short."""
-    if stop.requested:
-        return stop.exit_code
-    return Exit.DONE if outcome.state.t >= limits.until else Exit.INTERRUPTED
-
-
-def _ended(
-    session: Session, status: str, code: int, message: str, outcome: Outcome | None = None
-) -> Manifest:
+def _ended(session: Session, status: Status, ending: Ending, outcome: Outcome | None = None) -> Manifest:
     """Save the manifest with the end of the run."""
     before = session.manifest
     seconds = dict(before.seconds)
@@ -156,10 +131,10 @@ def _ended(
         seconds["total"] = outcome.seconds["total"]
     manifest = replace(
         before,
-        status=cast(Status, status),
+        status=status,
         ended=utc_now(),
-        exit_code=int(code),
-        message=message,
+        exit_code=int(ending.code),
+        message=ending.message,
         counters=before.counters if outcome is None else outcome.counters,
         seconds=seconds,
     )

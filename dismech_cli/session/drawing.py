@@ -1,25 +1,25 @@
-"""Pictures of a run: what its scenario asks for, changed by the command line."""
+"""Pictures of a run: what its scenario asks for, changed by wishes."""
 
 from __future__ import annotations
 
-import contextlib
-import os
-import sys
+import time
 from dataclasses import dataclass
 from pathlib import Path
 
-from ..cli.console import QUIET
-from ..output.run_directory import SCENARIO_FILE
-from ..render.drawing import Progress
+from ..errors import DismechError
+from ..output.run_directory import LOG_FILE, SCENARIO_FILE
 from ..render.movie import render as make
 from ..render.plot import plot_scalars
 from ..scenario.language.output import Render
 from ..scenario.load import load
+from .conduct import Record
+from .log import Logged
+from .narrator import Narrator
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Wishes:
-    """Choices of the command line; None leaves that of the scenario.
+    """Choices of the user; None leaves that of the scenario.
 
     Attributes:
         view: ``xy``, ``xz``, ``yz`` or ``iso``.
@@ -40,7 +40,51 @@ class Wishes:
     output: Path | None = None
 
 
-def draw(run_dir: Path, wishes: Wishes, level: int) -> list[Path]:
+@dataclass(frozen=True, slots=True)
+class Finished:
+    """A run after all that was asked for.
+
+    Attributes:
+        record: The run as recorded.
+        pictures: Files drawn.
+    """
+
+    record: Record
+    pictures: tuple[Path, ...] = ()
+
+
+def draw_asked(record: Record, asked: Render, narrator: Narrator) -> Finished:
+    """Draw what the scenario of a run asks for; a failure is a warning, as the run itself is done.
+
+    Args:
+        record: The run.
+        asked: What is asked for.
+        narrator: Told what is drawn and how long it took; the log of the run is too.
+    """
+    parts = _parts(asked, record.manifest.counters.get("frames", 0))
+    if record.manifest.status != "done" or not parts:
+        return Finished(record)
+    logged = Logged(narrator, record.run_dir / LOG_FILE)
+    logged.say(f"rendering {', '.join(parts)}")
+    tick = time.perf_counter()
+    try:
+        pictures = draw(record.run_dir, Wishes(), logged)
+    except DismechError as error:
+        logged.warn(f"no pictures: {error}\n  later: dismech render {record.run_dir}")
+        return Finished(record)
+    logged.say(f"rendered in {time.perf_counter() - tick:.3g} s")
+    return Finished(record, tuple(pictures))
+
+
+def _parts(asked: Render, frames: int) -> list[str]:
+    """What will be drawn, in words; nothing if no picture is asked for."""
+    parts = [f"a video of {frames} frames"] if asked.video != "none" else []
+    parts += ["a still"] if asked.still else []
+    parts += ["diagrams"] if asked.plots else []
+    return parts
+
+
+def draw(run_dir: Path, wishes: Wishes, narrator: Narrator) -> list[Path]:
     """Draw a run.
 
     Raises:
@@ -61,7 +105,7 @@ def draw(run_dir: Path, wishes: Wishes, level: int) -> list[Path]:
             formats=formats,
             camera=wishes.camera or asked.camera,
             output=wishes.output,
-            progress=_progress(level),
+            progress=narrator.drawn,
         )
     if asked.plots and wishes.format is None:
         files.append(plot_scalars(run_dir, asked.plots))
@@ -84,17 +128,3 @@ def _formats(asked: Render) -> list[str]:
 def _field(color_by: str) -> str | None:
     """The field of a colour: a vector is shown by its length, so speed is that of the velocity."""
     return {"none": None, "speed": "velocity"}.get(color_by, color_by)
-
-
-def _progress(level: int) -> Progress | None:
-    """A counter on a terminal, nothing elsewhere."""
-    if level == QUIET or not sys.stderr.isatty() or os.environ.get("TERM") == "dumb":
-        return None
-
-    def show(done: int, total: int) -> None:
-        with contextlib.suppress(OSError):
-            end = "\r\x1b[K" if done == total else ""
-            sys.stderr.write(f"\r\x1b[Kframe {done} of {total}{end}")
-            sys.stderr.flush()
-
-    return show

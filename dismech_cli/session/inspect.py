@@ -131,10 +131,17 @@ def inspect(path: Path, *, overrides: tuple[str, ...], profile: str | None, allo
         ScenarioError: It cannot be read or built.
     """
     loaded = load(path, overrides=overrides, profile=profile, allow_outside=allow_outside)
-    built = compose(loaded)
-    warnings = (*loaded.warnings, *built.plan.warnings)
-    decisions = built.plan.decisions
-    return Finding(path, extents(built.geometry), built.geometry.notes, decisions, warnings, estimate(built))
+    composition = compose(loaded)
+    warnings = (*loaded.warnings, *composition.plan.warnings)
+    decisions = composition.plan.decisions
+    return Finding(
+        path,
+        extents(composition.geometry),
+        composition.geometry.notes,
+        decisions,
+        warnings,
+        estimate(composition),
+    )
 
 
 def extents(geometry: Geometry) -> tuple[Extent, ...]:
@@ -152,9 +159,9 @@ def extents(geometry: Geometry) -> tuple[Extent, ...]:
     return tuple(found)
 
 
-def estimate(built: Composition) -> Cost:
+def estimate(composition: Composition) -> Cost:
     """Count what can be counted and guess the rest."""
-    simulation = built.simulation
+    simulation = composition.simulation
     model, topology = simulation.model, simulation.topology
     pattern = System(model, ~held_dofs(model.motions, model.dofs.n, 0.0)).pattern
     wanted = simulation.linear_solver
@@ -163,7 +170,7 @@ def estimate(built: Composition) -> Cost:
     frames = steps + 1
     if simulation.frame_every > 0.0:
         frames = min(frames, int(end / simulation.frame_every * (1.0 + 1e-12)) + 1)
-    fixed, edge, triangle = _ITERATION[built.plan.kernels]
+    fixed, edge, triangle = _ITERATION[composition.plan.kernels]
     edges, triangles = len(topology.edges), len(topology.triangles)
     iteration = fixed + edge * edges + triangle * triangles + _FILL * triangles**_FILL_POWER
     return Cost(

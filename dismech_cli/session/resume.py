@@ -7,10 +7,6 @@ from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
 
-from ..cli.console import Console
-from ..cli.options import Pause
-from ..cli.presenting import Presenting
-from ..compose.compose import compose
 from ..errors import OutputError, ScenarioError
 from ..output.jsonable import Json
 from ..output.manifest import FILE_NAME, installed_versions, load_manifest
@@ -18,63 +14,58 @@ from ..output.run_directory import LOG_FILE, SCENARIO_FILE, RunLock
 from ..run.interrupt import stop_on_signals
 from ..run.recorder import Checkpoint, discard, load_checkpoint
 from ..scenario.load import LoadedScenario, load
-from .conduct import Report, Session, conduct
+from .composing import composed
+from .conduct import Record, Session, conduct
+from .drawing import Finished, draw_asked
 from .inputs import gather_inputs, refuse_other, stored_inputs
-from .start import finish, make_limits
+from .log import Logged
+from .narrator import Narrator
+from .pause import Pause
 
 
-def proceed(run_dir: Path, pause: Pause, present: Presenting) -> int:
-    """Continue the run in ``run_dir``.
-
-    Returns:
-        The exit code; that of the run if it is finished already.
+def proceed(run_dir: Path, pause: Pause, narrator: Narrator) -> Finished:
+    """Continue the run in ``run_dir``; a finished one is returned as it is.
 
     Raises:
         ScenarioError: The directory holds no run, or its checkpoint is of another scenario.
         OutputError: No checkpoint is readable, or a result cannot be written.
     """
-    limits = make_limits(pause)
+    limits = pause.limits()
     if not (run_dir / FILE_NAME).is_file():
         raise ScenarioError(f"{run_dir} is no run directory: it has no {FILE_NAME}")
     with RunLock(run_dir), stop_on_signals() as stop:
         manifest = load_manifest(run_dir)
         if manifest.status == "done":
-            present.console.say(
-                f"{run_dir} is finished" + (f"; {manifest.message}" if manifest.message else "")
-            )
-            present.result(run_dir, Report(manifest, ()), ())
-            return int(manifest.exit_code or 0)
-        console = replace(present.console, log=run_dir / LOG_FILE)
-        loaded, recorded, checkpoint = _stored(run_dir, console)
+            narrator.say(f"{run_dir} is finished" + (f"; {manifest.message}" if manifest.message else ""))
+            return Finished(Record(run_dir=run_dir, manifest=manifest))
+        logged = Logged(narrator, run_dir / LOG_FILE)
+        loaded, recorded, checkpoint = _stored(run_dir, logged)
         kernels = None if recorded is None else str(recorded["kernels"])
         if kernels == "numba" and find_spec("numba") is None:
             raise ScenarioError(
                 f"{run_dir} was run with numba, which is missing: pip install 'dismech[fast]'"
             )
-        built = compose(loaded, kernels, planned=present.planned)
+        composition = composed(loaded, kernels, narrator)
         manifest = replace(manifest, status="running", ended="", exit_code=None, message="")
         manifest.save(run_dir)
-        identity = recorded or _fresh_identity(run_dir, loaded, built.plan.kernels)
-        console.say(f"resuming at t = {0.0 if checkpoint is None else checkpoint.t:.6g} s")
-        report = conduct(
-            Session(
-                loaded=loaded,
-                built=built,
-                run_dir=run_dir,
-                manifest=manifest,
-                identity=identity,
-                checkpoint=checkpoint,
-                limits=limits,
-                reporter=present.reporter(),
-                console=console,
-            ),
-            stop,
+        identity = recorded or _fresh_identity(run_dir, loaded, composition.plan.kernels)
+        logged.say(f"resuming at t = {0.0 if checkpoint is None else checkpoint.t:.6g} s")
+        session = Session(
+            loaded=loaded,
+            composition=composition,
+            run_dir=run_dir,
+            manifest=manifest,
+            identity=identity,
+            checkpoint=checkpoint,
+            limits=limits,
+            narrator=logged,
         )
-    return finish(loaded, run_dir, report, present)
+        record = conduct(session, stop)
+    return draw_asked(record, loaded.scenario.output.render, narrator)
 
 
 def _stored(
-    run_dir: Path, console: Console
+    run_dir: Path, narrator: Narrator
 ) -> tuple[LoadedScenario, Mapping[str, Json] | None, Checkpoint | None]:
     """Scenario, identity and checkpoint of a run; without a checkpoint it starts anew."""
     file = run_dir / SCENARIO_FILE
@@ -82,18 +73,18 @@ def _stored(
         raise OutputError(f"cannot resume {run_dir}: it was stopped before {SCENARIO_FILE} was written")
     stored = load_checkpoint(run_dir)
     if stored is None:
-        console.warn(f"{run_dir} has no checkpoint yet: starting again")
+        narrator.warn(f"{run_dir} has no checkpoint yet: starting again")
         discard(run_dir)
         return load(file), None, None
     recorded, checkpoint = stored
     names = recorded["inputs"]
     assert isinstance(names, Mapping)
     refuse_other(run_dir, recorded, stored_inputs(run_dir, names))
-    _compare_versions(recorded, console)
+    _compare_versions(recorded, narrator)
     return load(file), recorded, checkpoint
 
 
-def _compare_versions(recorded: Mapping[str, Json], console: Console) -> None:
+def _compare_versions(recorded: Mapping[str, Json], narrator: Narrator) -> None:
     before, now = recorded["versions"], installed_versions()
     assert isinstance(before, Mapping)
     changed = [
@@ -102,7 +93,7 @@ def _compare_versions(recorded: Mapping[str, Json], console: Console) -> None:
         if before.get(name) != now.get(name)
     ]
     if changed:
-        console.warn(f"the last digits may differ from an uninterrupted run: {', '.join(changed)}")
+        narrator.warn(f"the last digits may differ from an uninterrupted run: {', '.join(changed)}")
 
 
 def _fresh_identity(run_dir: Path, loaded: LoadedScenario, kernels: str) -> dict[str, Json]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from ..cli.tables import table, with_unit
+from ..quantities import with_unit
 from ..run.loop import Outcome
 from ..run.observables.reduce import reduce_series
 from ..scenario.language.expect import Expectation, measured
@@ -48,19 +48,3 @@ def judge(expectations: Mapping[str, Expectation], outcome: Outcome) -> tuple[Ve
         passed = e.tolerance.allows(value, e.value)
         verdicts.append(Verdict(name, value, e.value, tolerance, unit, e.source, passed))
     return tuple(verdicts)
-
-
-def verdict_table(verdicts: tuple[Verdict, ...]) -> str:
-    """The verdicts for people."""
-    rows = [
-        (
-            v.name,
-            with_unit(f"{v.measured:.6g}", v.unit),
-            with_unit(f"{v.expected:.6g}", v.unit),
-            v.tolerance,
-            "pass" if v.passed else "MISSED",
-            v.source,
-        )
-        for v in verdicts
-    ]
-    return table(("expectation", "measured", "expected", "tolerance", "", "source"), rows)

@@ -8,7 +8,7 @@ from pathlib import Path
 from cli_call import call
 
 from dismech_cli.cli.app import app
-from dismech_cli.cli.exits import Exit
+from dismech_cli.session.exit_codes import Exit
 
 __all__ = ["call"]
 

@@ -4,9 +4,8 @@ import io
 
 import pytest
 
-from dismech_cli.cli import console
-from dismech_cli.run import progress
-from dismech_cli.run.progress import Bar, Lines, Silent, clock_time, make_reporter
+from dismech_cli.cli import console, progress
+from dismech_cli.cli.progress import Bar, Lines, Nothing, clock_time, make_display
 from dismech_cli.run.sink import Progress
 
 
@@ -29,11 +28,11 @@ class Stream(io.StringIO):
         ("bar", True, "dumb", Lines),
         ("bar", True, None, Bar),
         ("lines", True, "xterm", Lines),
-        ("none", True, "xterm", Silent),
+        ("none", True, "xterm", Nothing),
     ],
 )
 def test_no_animation_without_a_terminal(shown, terminal, term, kind):
-    assert type(make_reporter(shown, Stream(terminal), term)) is kind
+    assert type(make_display(shown, Stream(terminal), term)) is kind
 
 
 def steps(count: int = 100):
@@ -54,10 +53,10 @@ def clock(monkeypatch):
 
 def test_lines_are_few_and_complete(clock):
     stream = Stream(False)
-    reporter = make_reporter("auto", stream, None)
+    display = make_display("auto", stream, None)
     for p in steps():
-        reporter.update(p)
-    reporter.close()
+        display.update(p)
+    display.clear()
     lines = stream.getvalue().splitlines()
     assert len(lines) == 10
     assert "\r" not in stream.getvalue()
@@ -68,21 +67,54 @@ def test_lines_are_few_and_complete(clock):
 
 def test_a_resumed_run_measures_its_own_speed(clock):
     stream = Stream(False)
-    reporter = make_reporter("lines", stream, None)
+    display = make_display("lines", stream, None)
     for p in steps()[80:]:
-        reporter.update(p)
+        display.update(p)
     assert "2 steps/s  ETA 0:05" in stream.getvalue().splitlines()[1]
 
 
 def test_a_bar_cleans_up(clock):
     stream = Stream(True)
-    reporter = make_reporter("bar", stream, "xterm")
+    display = make_display("bar", stream, "xterm")
     for p in steps():
-        reporter.update(p)
+        display.update(p)
     assert stream.getvalue().count("\n") == 0
     assert "[##########----------]" in stream.getvalue()
-    reporter.close()
+    display.clear()
     assert stream.getvalue().endswith("\r\x1b[K")
+
+
+def test_a_line_of_text_does_not_end_in_the_bar(clock, monkeypatch):
+    stream = Stream(True)
+    monkeypatch.setattr(console.sys, "stderr", stream)
+    monkeypatch.setenv("NO_COLOR", "1")
+    with console.Console(display=Bar(stream)) as narrator:
+        narrator.progress(steps()[0])
+        narrator.warn("look")
+        assert stream.getvalue().endswith("\r\x1b[Kwarning: look\n")
+        narrator.progress(steps()[1])
+    assert stream.getvalue().endswith("\r\x1b[K")
+
+
+def test_quiet_shows_no_progress(clock):
+    stream = Stream(False)
+    narrator = console.Console(console.QUIET, Lines(stream))
+    for p in steps():
+        narrator.progress(p)
+    assert stream.getvalue() == ""
+
+
+@pytest.mark.parametrize(("terminal", "level"), [(True, 1), (True, 0), (False, 1)])
+def test_frames_are_counted_on_a_terminal_alone(monkeypatch, terminal, level):
+    stream = Stream(terminal)
+    monkeypatch.setattr(console.sys, "stderr", stream)
+    monkeypatch.setenv("TERM", "xterm")
+    narrator = console.Console(level)
+    narrator.drawn(1, 2)
+    shown = "\r\x1b[Kframe 1 of 2" if terminal and level else ""
+    assert stream.getvalue() == shown
+    narrator.drawn(2, 2)
+    assert stream.getvalue().endswith("\r\x1b[K" if shown else "")
 
 
 def test_clock_time():

@@ -241,31 +241,30 @@ def test_compilation_is_announced_once(call, swing, monkeypatch, tmp_path):
     pytest.importorskip("numba")
     monkeypatch.setenv("DISMECH_CACHE", str(tmp_path / "cache"))
     from dismech_cli.cli.console import Console
-    from dismech_cli.cli.presenting import Presenting
     from dismech_cli.compose.structure.plan import Decision
     from dismech_cli.kernels.cache import cache_folder
+    from dismech_cli.session.composing import tell_plan
 
     plan = SimpleNamespace(kernels="numba", decisions=(Decision("kernels by numba", "asked for"),))
     lines: list[str] = []
     monkeypatch.setattr(Console, "say", lambda self, text: lines.append(text))
-    present = Presenting(Console(), json=False, progress="none")
-    present.planned(plan)
+    tell_plan(plan, Console())
     (cache_folder() / "loop.nbi").write_bytes(b"")
-    present.planned(plan)
+    tell_plan(plan, Console())
     assert lines == ["plan: kernels by numba", "compiling kernels, once", "plan: kernels by numba"]
 
 
 def test_resume_keeps_the_kernels_of_the_run(call, swing, monkeypatch):
-    import dismech_cli.session.resume as continuing
+    from dismech_cli.session import composing
 
     call("run", "swing.yaml", "--until", "0.01", "-o", "out")
-    original, kept = continuing.compose, []
+    original, kept = composing.compose, []
 
     def spy(loaded, kernels=None, **options):
         kept.append(kernels)
         return original(loaded, kernels, **options)
 
-    monkeypatch.setattr(continuing, "compose", spy)
+    monkeypatch.setattr(composing, "compose", spy)
     assert call("resume", "out", "--until", "0.02").code == 0
     assert kept == ["numpy"]
     manifest = json.loads((swing / "out" / "manifest.json").read_text())

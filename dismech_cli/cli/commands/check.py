@@ -32,9 +32,9 @@ def check(
     use_threads(None, False)
     from ...errors import DismechError
     from ...output.jsonable import Json, dumps
+    from ...session.exit_codes import Exit
     from ...session.inspect import inspect
     from ..console import Console, emit
-    from ..exits import Exit
 
     console = Console()
     found: list[Mapping[str, Json]] = []

@@ -30,18 +30,18 @@ def explain(
     from dataclasses import asdict
 
     from ...output.jsonable import dumps
-    from ...scenario.load import load
+    from ...quantities import with_unit
+    from ...session.explain import explain as trace
     from ..console import emit
-    from ..explaining import below
-    from ..tables import table, with_unit
+    from ..tables import table
 
-    loaded = load(
+    found = trace(
         scenario,
+        path,
         overrides=tuple(overrides or ()),
         profile=None if profile is None else profile.value,
         allow_outside=allow_outside,
     )
-    found = loaded.provenance if path is None else below(loaded.provenance, path)
     if json:
         emit(dumps({key: asdict(value) for key, value in found.items()}, indent=2))
     else:

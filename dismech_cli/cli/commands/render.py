@@ -67,7 +67,7 @@ def render(
         raise typer.BadParameter("needs --format", param_hint="-o")
     from ...output.jsonable import dumps
     from ...session.drawing import Wishes, draw
-    from ..console import emit
+    from ..console import Console, emit
 
     wishes = Wishes(
         view=None if view is None else view.value,
@@ -78,6 +78,6 @@ def render(
         camera=None if camera is None else camera.value,
         output=output,
     )
-    files = [str(file) for file in draw(run_dir, wishes, options.level(quiet, False))]
+    files = [str(file) for file in draw(run_dir, wishes, Console(options.level(quiet, False)))]
     emit(dumps({"files": files}, indent=2) if json else "\n".join(files))
     return 0

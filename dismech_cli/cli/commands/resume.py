@@ -24,9 +24,10 @@ def resume(
 ) -> int:
     """Entry point of the command."""
     use_threads_of(run_dir)
+    from ...session.pause import Pause
     from ...session.resume import proceed
-    from ..console import Console
-    from ..presenting import Presenting
+    from ..result import show
 
-    present = Presenting(Console(options.level(quiet, verbose)), json, progress.value)
-    return proceed(run_dir, options.Pause(until, wall_limit, checkpoint_every), present)
+    with options.narrator(progress, quiet, verbose) as console:
+        finished = proceed(run_dir, Pause(until, wall_limit, checkpoint_every), console)
+    return show(finished, json, console.level)

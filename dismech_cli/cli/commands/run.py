@@ -51,11 +51,10 @@ def run(
             "needs -o DIR: other run directories are new anyway", param_hint="--overwrite"
         )
     use_threads(threads, deterministic)
+    from ...session.pause import Pause
     from ...session.start import Start, start
-    from ..console import Console
-    from ..presenting import Presenting
+    from ..result import show
 
-    present = Presenting(Console(options.level(quiet, verbose)), json, progress.value)
     request = Start(
         path=scenario,
         overrides=tuple(overrides or ()),
@@ -63,6 +62,8 @@ def run(
         allow_outside=allow_outside,
         output=output,
         overwrite=overwrite,
-        pause=options.Pause(until, wall_limit, checkpoint_every),
+        pause=Pause(until, wall_limit, checkpoint_every),
     )
-    return start(request, present)
+    with options.narrator(progress, quiet, verbose) as console:
+        finished = start(request, console)
+    return show(finished, json, console.level)

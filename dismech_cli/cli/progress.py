@@ -6,33 +6,35 @@ import contextlib
 import shutil
 import time
 from dataclasses import dataclass, field
-from typing import Protocol, TextIO
+from typing import TYPE_CHECKING, Protocol, TextIO
 
-from .sink import Progress
+if TYPE_CHECKING:  # the run loop loads NumPy
+    from ..run.sink import Progress
 
 _REDRAW = 0.1  # [s]
 _LINE_EVERY = 30.0  # [s]
+_CLEAR = "\r\x1b[K"
 _SHARES = 10  # lines per run, if it is a short one
 
 
-class Reporter(Protocol):
+class Display(Protocol):
     """Shows where a run stands."""
 
     def update(self, progress: Progress) -> None:
         """After every step."""
 
-    def close(self) -> None:
-        """Leave the terminal tidy; safe to call twice."""
+    def clear(self) -> None:
+        """Make room for a line of text; safe to call twice."""
 
 
 @dataclass(frozen=True, slots=True)
-class Silent:
+class Nothing:
     """Shows nothing."""
 
     def update(self, progress: Progress) -> None:
         """Do nothing."""
 
-    def close(self) -> None:
+    def clear(self) -> None:
         """Do nothing."""
 
 
@@ -54,17 +56,18 @@ class Lines:
             self._shares, self._shown = shares, now
             _write(self.stream, self.meter.text(progress, now) + "\n")
 
-    def close(self) -> None:
+    def clear(self) -> None:
         """Do nothing: every line is complete."""
 
 
 @dataclass(slots=True)
 class Bar:
-    """One line that is rewritten; removed at the end."""
+    """One line that is rewritten, and removed before anything else is written."""
 
     stream: TextIO
     meter: Meter = field(default_factory=lambda: Meter())
     _shown: float = 0.0
+    _drawn: bool = False
 
     def update(self, progress: Progress) -> None:
         """Redraw, at most ten times a second."""
@@ -75,11 +78,20 @@ class Bar:
             width = shutil.get_terminal_size().columns - 1
             done = int(20 * progress.t / progress.t_end)
             bar = "#" * done + "-" * (20 - done)
-            _write(self.stream, f"\r\x1b[K{f'[{bar}] {self.meter.text(progress, now)}'[:width]}")
+            self._drawn = True
+            _write(self.stream, f"{_CLEAR}{f'[{bar}] {self.meter.text(progress, now)}'[:width]}")
 
-    def close(self) -> None:
-        """Clear the line."""
-        _write(self.stream, "\r\x1b[K")
+    def clear(self) -> None:
+        """Clear the line, if it is there."""
+        if self._drawn:
+            self._drawn = False
+            _write(self.stream, _CLEAR)
+
+
+def count_frames(done: int, total: int, stream: TextIO, terminal: str | None) -> None:
+    """Rewrite a line that counts the frames drawn, on a terminal; remove it at the end."""
+    if animated(stream, terminal):
+        _write(stream, f"{_CLEAR}frame {done} of {total}{_CLEAR if done == total else ''}")
 
 
 @dataclass(slots=True)
@@ -116,7 +128,7 @@ def clock_time(seconds: float) -> str:
     return f"{hours}:{minute:02d}:{second:02d}" if hours else f"{minute}:{second:02d}"
 
 
-def make_reporter(shown: str, stream: TextIO, terminal: str | None) -> Reporter:
+def make_display(shown: str, stream: TextIO, terminal: str | None) -> Display:
     """Choose by what the user asked for and what ``stream`` is.
 
     Args:
@@ -125,10 +137,13 @@ def make_reporter(shown: str, stream: TextIO, terminal: str | None) -> Reporter:
         terminal: The environment's ``TERM``.
     """
     if shown == "none":
-        return Silent()
-    # A line that rewrites itself is noise in a file, whatever was asked for.
-    animated = stream.isatty() and terminal != "dumb"
-    return Bar(stream) if animated and shown != "lines" else Lines(stream)
+        return Nothing()
+    return Bar(stream) if shown != "lines" and animated(stream, terminal) else Lines(stream)
+
+
+def animated(stream: TextIO, terminal: str | None) -> bool:
+    """Whether a line may rewrite itself: that is noise in a file, whatever was asked for."""
+    return stream.isatty() and terminal != "dumb"
 
 
 def _write(stream: TextIO, text: str) -> None:

@@ -1,0 +1,75 @@
+"""The result of a run on stdout, for people and for programs."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+
+from ..output.jsonable import dumps
+from ..output.manifest import Manifest
+from ..quantities import with_unit
+from ..session.drawing import Finished
+from ..session.verdicts import Verdict
+from .console import QUIET, emit
+from .tables import table
+
+
+def show(finished: Finished, json: bool, level: int) -> int:
+    """Print how a run ended.
+
+    Args:
+        finished: The run.
+        json: Whether the result is JSON.
+        level: How much to say.
+
+    Returns:
+        The exit code.
+    """
+    record = finished.record
+    if json:
+        emit(dumps(_as_json(finished), indent=2))
+    else:
+        if level > QUIET:
+            emit(_summary(record.manifest))
+            if record.verdicts:
+                emit(_verdict_table(record.verdicts))
+        emit(str(record.run_dir))
+    return int(record.manifest.exit_code or 0)
+
+
+def _as_json(finished: Finished) -> dict[str, object]:
+    record, manifest = finished.record, finished.record.manifest
+    return {
+        "run_dir": str(record.run_dir),
+        "status": manifest.status,
+        "exit_code": manifest.exit_code,
+        "message": manifest.message,
+        "counters": manifest.counters,
+        "seconds": manifest.seconds,
+        "expectations": [asdict(verdict) for verdict in record.verdicts],
+        "pictures": [str(file) for file in finished.pictures],
+    }
+
+
+def _summary(manifest: Manifest) -> str:
+    count = manifest.counters
+    parts: list[str] = [manifest.status]
+    if count:
+        parts += [f"{count['steps']} steps", f"{count['iterations']} Newton iterations"]
+        parts += [f"{count['cuts']} steps cut"] if count["cuts"] else []
+        parts += [f"{count['frames']} frames", f"{manifest.seconds['total']:.3g} s"]
+    return ", ".join(parts)
+
+
+def _verdict_table(verdicts: tuple[Verdict, ...]) -> str:
+    rows = [
+        (
+            v.name,
+            with_unit(f"{v.measured:.6g}", v.unit),
+            with_unit(f"{v.expected:.6g}", v.unit),
+            v.tolerance,
+            "pass" if v.passed else "MISSED",
+            v.source,
+        )
+        for v in verdicts
+    ]
+    return table(("expectation", "measured", "expected", "tolerance", "", "source"), rows)

@@ -1,0 +1,40 @@
+"""A scenario composed while its narrator is told what is made of it."""
+
+from __future__ import annotations
+
+from ..compose.compose import Composition, compose
+from ..compose.structure.plan import Plan
+from ..kernels.cache import cache_folder, is_compiled
+from ..scenario.load import LoadedScenario
+from .narrator import Narrator
+
+
+def composed(loaded: LoadedScenario, kernels: str | None, narrator: Narrator) -> Composition:
+    """Compose a scenario and tell its plan.
+
+    Args:
+        loaded: The scenario.
+        kernels: Overrides the plan's choice of kernels.
+        narrator: Told the plan before anything is built, which may take long to compile.
+
+    Raises:
+        ScenarioError: It cannot be composed.
+    """
+    return compose(loaded, kernels, planned=lambda plan: tell_plan(plan, narrator))
+
+
+def tell_doubts(composition: Composition, narrator: Narrator) -> None:
+    """Tell what was made of the meshes, and what the plan doubts; a resumed run has told it before."""
+    for note in composition.geometry.notes:
+        narrator.say(note)
+    for warning in composition.plan.warnings:
+        narrator.warn(warning)
+
+
+def tell_plan(plan: Plan, narrator: Narrator) -> None:
+    """Tell the plan, and why nothing happens while kernels are compiled."""
+    narrator.say("plan: " + "; ".join(d.what.partition(":")[0] for d in plan.decisions))
+    for decision in plan.decisions:
+        narrator.detail(f"  {decision.what}: {decision.why}")
+    if plan.kernels == "numba" and not is_compiled(cache_folder()):
+        narrator.say("compiling kernels, once")

@@ -1,0 +1,66 @@
+"""How a run ended: its exit code, one message, and the verdicts on what it promised."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ..run.interrupt import StopRequest
+from ..run.loop import End, Limits, Outcome
+from ..scenario.language.scenario import Scenario
+from .exit_codes import Exit
+from .narrator import Narrator
+from .verdicts import Verdict, judge
+
+
+@dataclass(frozen=True, slots=True)
+class Ending:
+    """The end of a run.
+
+    Attributes:
+        code: Exit code of the program.
+        message: Empty if all is well.
+        verdicts: One per expectation, if the run came to its end.
+    """
+
+    code: int
+    message: str
+    verdicts: tuple[Verdict, ...] = ()
+
+
+def conclude(
+    scenario: Scenario, outcome: Outcome, limits: Limits, stop: StopRequest, narrator: Narrator, advice: str
+) -> Ending:
+    """Judge a run and tell how it ended.
+
+    Args:
+        scenario: What was promised.
+        outcome: What was given.
+        limits: When the run was to pause.
+        stop: Whether a signal stopped it.
+        narrator: Told.
+        advice: How to go on where the run did not end, or nothing.
+    """
+    match outcome.end:
+        case End.FAILED:
+            narrator.error("\n  ".join(filter(None, (outcome.message, advice))))
+            return Ending(Exit.SOLVER, outcome.message)
+        case End.INTERRUPTED:
+            message = f"{outcome.message} at t = {outcome.state.t:.6g} s"
+            narrator.say("; ".join(filter(None, (message, advice))))
+            return Ending(_pause_code(limits, outcome, stop), message)
+        case End.DONE:
+            for doubt in outcome.doubts:
+                narrator.warn(doubt)
+            verdicts = judge(scenario.expect, outcome)
+            missed = ", ".join(v.name for v in verdicts if not v.passed)
+            if not missed:
+                return Ending(Exit.DONE, "", verdicts)
+            narrator.error(f"expectation missed: {missed}")
+            return Ending(Exit.EXPECTATION, f"missed: {missed}", verdicts)
+
+
+def _pause_code(limits: Limits, outcome: Outcome, stop: StopRequest) -> int:
+    """A pause at a simulated time is what was asked for; one by the wall clock cuts the run short."""
+    if stop.requested:
+        return stop.exit_code
+    return Exit.DONE if outcome.state.t >= limits.until else Exit.INTERRUPTED
