@@ -1,4 +1,4 @@
-"""A scenario file to a validated scenario that remembers where each value was written."""
+"""A scenario file, text or mapping to a validated scenario that remembers where each value was written."""
 
 from __future__ import annotations
 
@@ -6,8 +6,10 @@ import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any, Literal
 
 from ..errors import ScenarioError
+from ..words import listed
 from .checking.checks import findings
 from .checking.plausibility import doubts
 from .checking.validation import check_version, validate
@@ -15,9 +17,10 @@ from .language.scenario import Scenario
 from .text.files import parse_source, read_source, resolve_file
 from .text.merge import Includes, without
 from .text.overrides import apply_override
+from .text.plain import parse_mapping
 from .text.problems import Problem, ProblemsError, excerpt
 from .text.profiles import NAMES, apply_profile
-from .text.tree import KeyPath, Node, place, point
+from .text.tree import KeyPath, Node, Source, place, point
 from .values.law import TableFile, TableLaw
 from .values.runtime_law import to_law
 from .views.dump import dump_resolved, text_hash
@@ -31,8 +34,13 @@ __all__ = [
     "dump_resolved",
     "json_schema",
     "load",
+    "load_mapping",
+    "load_text",
     "markdown_reference",
 ]
+
+_TEXT, _MAPPING = "<text>", "<mapping>"
+_FORMATS = ("yaml", "toml")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -41,7 +49,7 @@ class LoadedScenario:
 
     Attributes:
         scenario: Validated, all numbers in SI units.
-        path: The file, resolved.
+        path: The file, resolved; for a text or a mapping, a name in ``directory`` that no file has.
         directory: Its folder: names of files in the scenario start here.
         profile: Profile asked for, or None.
         provenance: Value, unit and origin of each leaf by key path, such as ``numerics.dt``.
@@ -102,22 +110,101 @@ def load(
     """
     shown = Path(path)
     source = read_source(shown, str(shown))
-    file = shown.resolve()
-    tree = None if allow_outside else file.parent
-    root = Includes(tree).expand(parse_source(source, shown.suffix), file, shown)
+    origin = _Origin(shown.resolve(), shown, allow_outside)
+    return _load(parse_source(source, shown.suffix), origin, overrides, profile)
+
+
+def load_text(
+    text: str,
+    *,
+    directory: str | Path = ".",
+    format: Literal["yaml", "toml"] = "yaml",
+    overrides: Sequence[str] = (),
+    profile: str | None = None,
+    allow_outside: bool = False,
+) -> LoadedScenario:
+    """Validate a scenario that is a text, as :func:`load` does with a file; messages call it ``<text>``.
+
+    Args:
+        text: The scenario.
+        directory: Where names of files in it start.
+        format: ``yaml`` or ``toml``.
+        overrides: Arguments such as ``numerics.dt=5 ms``, applied in order.
+        profile: ``draft``, ``normal`` or ``accurate``.
+        allow_outside: Permits files outside ``directory``.
+
+    Raises:
+        ScenarioError: with every fault found, each with line, column and key.
+    """
+    if format not in _FORMATS:
+        raise ScenarioError(f"unknown format {format!r}: a scenario is {listed(_FORMATS)}")
+    tree = parse_source(Source(_TEXT, text), f".{format}")
+    return _load(tree, _unnamed(_TEXT, directory, allow_outside), overrides, profile)
+
+
+def load_mapping(
+    mapping: Mapping[str, Any],
+    *,
+    directory: str | Path = ".",
+    overrides: Sequence[str] = (),
+    profile: str | None = None,
+    allow_outside: bool = False,
+) -> LoadedScenario:
+    """Validate a scenario made in Python, as :func:`load` does with a file; messages call it ``<mapping>``.
+
+    Args:
+        mapping: The keys of a scenario file; values are numbers in SI units, texts such as ``"5 mm"``,
+            sequences, NumPy arrays, mappings and paths.
+        directory: Where names of files in it start.
+        overrides: Arguments such as ``numerics.dt=5 ms``, applied in order.
+        profile: ``draft``, ``normal`` or ``accurate``.
+        allow_outside: Permits files outside ``directory``.
+
+    Raises:
+        ScenarioError: with every fault found, each with its key.
+    """
+    tree = parse_mapping(mapping, _MAPPING)
+    return _load(tree, _unnamed(_MAPPING, directory, allow_outside), overrides, profile)
+
+
+@dataclass(frozen=True, slots=True)
+class _Origin:
+    """Where a scenario comes from.
+
+    Attributes:
+        path: The file, resolved.
+        shown: The file as the user named it.
+        allow_outside: Permits files outside its folder.
+    """
+
+    path: Path
+    shown: Path
+    allow_outside: bool
+
+
+def _unnamed(name: str, directory: str | Path, allow_outside: bool) -> _Origin:
+    folder = Path(directory)
+    return _Origin(folder.resolve() / name, folder / name, allow_outside)
+
+
+def _load(written: Node, origin: _Origin, overrides: Sequence[str], profile: str | None) -> LoadedScenario:
+    """Merge and validate a scenario as written."""
+    directory = origin.path.parent
+    inside = None if origin.allow_outside else directory
+    root = Includes(inside).expand(written, origin.path, origin.shown)
     check_version(root)
     profiles, body = root.child("profiles"), without(root, "profiles")
     merged = _overridden(apply_profile(body, profile, profiles), overrides)
     scenario = validate(merged)
     problems = [_problem(merged, *finding) for finding in findings(scenario)]
-    problems += _file_problems(scenario, merged, file.parent, tree)
+    problems += _file_problems(scenario, merged, directory, inside)
     if problems:
         raise ProblemsError(problems)
     _check_other_profiles(body, profiles, profile, overrides)
     return LoadedScenario(
         scenario=scenario,
-        path=file,
-        directory=file.parent,
+        path=origin.path,
+        directory=directory,
         profile=profile,
         provenance=trace(scenario, merged),
         warnings=tuple(_problem(merged, *doubt).line() for doubt in doubts(scenario)),
