@@ -1,7 +1,8 @@
 """Batch simulator of slender soft robots by discrete differential geometry.
 
-The three doors for Python users are :func:`load`, :func:`simulate` and :func:`read`; everything
-behind them is imported on first use, so that ``dismech --help`` stays instant.
+The doors for Python users: :func:`load`, :func:`load_text` and :func:`load_mapping` read a scenario,
+:func:`simulate` runs it, :func:`read` opens a run directory. Everything behind them is imported on first
+use, so that ``dismech --help`` stays instant.
 """
 
 from __future__ import annotations
@@ -9,17 +10,23 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 __version__ = "0.1.0"
-__all__ = ["__version__", "load", "read", "simulate"]
+__all__ = ["Limits", "Report", "__version__", "load", "load_mapping", "load_text", "read", "simulate"]
 
 if TYPE_CHECKING:
     from .output.read import read
-    from .scenario.load import load
+    from .run.loop import Limits
+    from .scenario.load import load, load_mapping, load_text
+    from .session.report import Report
     from .session.simulate import simulate
 
 _DOORS = {
-    "load": ("dismech_cli.scenario.load", "load"),
-    "simulate": ("dismech_cli.session.simulate", "simulate"),
-    "read": ("dismech_cli.output.read", "read"),
+    "Limits": "run.loop",
+    "Report": "session.report",
+    "load": "scenario.load",
+    "load_mapping": "scenario.load",
+    "load_text": "scenario.load",
+    "read": "output.read",
+    "simulate": "session.simulate",
 }
 
 
@@ -28,5 +35,4 @@ def __getattr__(name: str) -> Any:
         raise AttributeError(f"module 'dismech_cli' has no attribute {name!r}")
     from importlib import import_module
 
-    module, attribute = _DOORS[name]
-    return getattr(import_module(module), attribute)
+    return getattr(import_module(f"{__name__}.{_DOORS[name]}"), name)

@@ -31,6 +31,24 @@ class LawError(DismechError):
     exit_code = 3
 
 
+class SolverError(DismechError):
+    """The solver gave up, or the motion blew up (exit 3)."""
+
+    exit_code = 3
+
+
+class ExpectationError(DismechError):
+    """A run came to its end and missed what its scenario expects (exit 4)."""
+
+    exit_code = 4
+
+
+class UnfinishedError(DismechError):
+    """A run was stopped before its end (exit 130)."""
+
+    exit_code = 130
+
+
 class OutputError(DismechError):
     """A result could not be written or read (exit 5)."""
 

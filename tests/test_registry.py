@@ -149,7 +149,7 @@ def test_what_is_rare_works_too(tmp_path: Path, name: str) -> None:
         return
     result = simulate(loaded)
     assert result.outcome.end is End.DONE
-    rare.ends(result.built)
+    rare.ends(result.composition)
     rare.steps(loaded, result)
 
 

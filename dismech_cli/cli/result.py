@@ -30,10 +30,10 @@ def show(finished: Finished, json: bool, level: int) -> int:
     else:
         if level > QUIET:
             emit(_summary(record.manifest))
-            if record.verdicts:
-                emit(_verdict_table(record.verdicts))
+            if record.ending.verdicts:
+                emit(_verdict_table(record.ending.verdicts))
         emit(str(record.run_dir))
-    return int(record.manifest.exit_code or 0)
+    return record.ending.code
 
 
 def _as_json(finished: Finished) -> dict[str, object]:
@@ -45,7 +45,7 @@ def _as_json(finished: Finished) -> dict[str, object]:
         "message": manifest.message,
         "counters": manifest.counters,
         "seconds": manifest.seconds,
-        "expectations": [asdict(verdict) for verdict in record.verdicts],
+        "expectations": [asdict(verdict) for verdict in record.ending.verdicts],
         "pictures": [str(file) for file in finished.pictures],
     }
 

@@ -20,7 +20,6 @@ from .ending import Ending, conclude
 from .exit_codes import code_of
 from .narrator import Narrator
 from .sinks import Several, Telling
-from .verdicts import Verdict
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -57,13 +56,13 @@ class Record:
     Attributes:
         run_dir: Where it lies.
         manifest: As saved.
-        verdicts: One per expectation, if the run came to its end in this process.
+        ending: How it ended.
         outcome: What this process stepped; None if it stepped nothing or was stopped at once.
     """
 
     run_dir: Path
     manifest: Manifest
-    verdicts: tuple[Verdict, ...] = ()
+    ending: Ending
     outcome: Outcome | None = None
 
 
@@ -81,8 +80,8 @@ def conduct(session: Session, stop: StopRequest) -> Record:
     except KeyboardInterrupt:
         _abandon(recorder)
         narrator.error(f"stopped at once; {_advice(run_dir)}")
-        manifest = _ended(session, "interrupted", Ending(stop.exit_code, "stopped at once"))
-        return Record(run_dir=run_dir, manifest=manifest)
+        ending = Ending(stop.exit_code, "stopped at once")
+        return Record(run_dir=run_dir, manifest=_ended(session, "interrupted", ending), ending=ending)
     except BaseException as error:
         _abandon(recorder)
         with suppress(OutputError):
@@ -93,7 +92,7 @@ def conduct(session: Session, stop: StopRequest) -> Record:
         session.loaded.scenario, outcome, session.limits, stop, narrator, advice=_advice(run_dir)
     )
     manifest = _ended(session, outcome.end.value, ending, outcome)
-    return Record(run_dir=run_dir, manifest=manifest, verdicts=ending.verdicts, outcome=outcome)
+    return Record(run_dir=run_dir, manifest=manifest, ending=ending, outcome=outcome)
 
 
 def _run(session: Session, recorder: Recorder, stop: StopRequest) -> Outcome:

@@ -9,7 +9,7 @@ from pathlib import Path
 from ..compose.compose import Composition
 from ..output.manifest import Manifest, installed_versions
 from ..output.run_directory import LOG_FILE, RunLock
-from ..run.interrupt import stop_on_signals
+from ..run.interrupt import StopRequest
 from ..run.loop import Limits
 from ..run.sink import Sink
 from ..scenario.load import LoadedScenario
@@ -38,14 +38,15 @@ class Prepared:
     seconds: Mapping[str, float]
 
 
-def record(prepared: Prepared, run_dir: Path, narrator: Narrator, sinks: tuple[Sink, ...] = ()) -> Record:
+def record(
+    prepared: Prepared, run_dir: Path, stop: StopRequest, narrator: Narrator, sinks: tuple[Sink, ...] = ()
+) -> Record:
     """Run a scenario into a new directory.
-
-    A signal stops the run after the step it falls into; see :class:`.StopRequest`.
 
     Args:
         prepared: What to run.
         run_dir: The directory, made and empty.
+        stop: Set by signals.
         narrator: Told what happens; the log is too.
         sinks: Given what the files are given.
 
@@ -53,7 +54,7 @@ def record(prepared: Prepared, run_dir: Path, narrator: Narrator, sinks: tuple[S
         OutputError: A result cannot be written.
     """
     loaded, inputs = prepared.loaded, prepared.inputs
-    with RunLock(run_dir), stop_on_signals() as stop:
+    with RunLock(run_dir):
         versions = installed_versions()
         manifest = Manifest(
             name=loaded.scenario.name,

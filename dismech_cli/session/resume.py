@@ -17,6 +17,8 @@ from ..scenario.load import LoadedScenario, load
 from .composing import composed
 from .conduct import Record, Session, conduct
 from .drawing import Finished, draw_asked
+from .ending import Ending
+from .exit_codes import Exit
 from .inputs import gather_inputs, refuse_other, stored_inputs
 from .log import Logged
 from .narrator import Narrator
@@ -37,7 +39,8 @@ def proceed(run_dir: Path, pause: Pause, narrator: Narrator) -> Finished:
         manifest = load_manifest(run_dir)
         if manifest.status == "done":
             narrator.say(f"{run_dir} is finished" + (f"; {manifest.message}" if manifest.message else ""))
-            return Finished(Record(run_dir=run_dir, manifest=manifest))
+            ending = Ending(manifest.exit_code or Exit.DONE, manifest.message)
+            return Finished(Record(run_dir=run_dir, manifest=manifest, ending=ending))
         logged = Logged(narrator, run_dir / LOG_FILE)
         loaded, recorded, checkpoint = _stored(run_dir, logged)
         kernels = None if recorded is None else str(recorded["kernels"])

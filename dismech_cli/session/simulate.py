@@ -1,70 +1,140 @@
-"""Run a scenario from Python, frames in memory."""
+"""A scenario run from Python."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+import signal
+import time
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
-from ..arrays import FloatArray
-from ..compose.compose import Composition, compose
-from ..output.frame import Frame
-from ..run.loop import Outcome, run
-from ..run.sink import Progress
-from ..scenario.load import LoadedScenario, load
-
-
-@dataclass
-class Memory:
-    """A sink that keeps frames and events."""
-
-    frames: list[Frame] = field(default_factory=list)
-    events: list[tuple[str, float, Mapping[str, object]]] = field(default_factory=list)
-    arrays: Mapping[str, FloatArray] = field(default_factory=dict)
-    numbers: Mapping[str, int | float] = field(default_factory=dict)
-
-    def frame(self, frame: Frame) -> None:
-        """Keep it."""
-        self.frames.append(frame)
-
-    def event(self, kind: str, t: float, **details: object) -> None:
-        """Keep it."""
-        self.events.append((kind, t, details))
-
-    def checkpoint(self, arrays: Mapping[str, FloatArray], numbers: Mapping[str, int | float]) -> None:
-        """Keep the latest."""
-        self.arrays, self.numbers = arrays, numbers
-
-    def progress(self, progress: Progress) -> None:
-        """Say nothing."""
+from ..errors import ScenarioError
+from ..output import run_directory
+from ..run.interrupt import StopRequest, stop_on_signals
+from ..run.loop import Limits, Outcome, run
+from ..scenario.load import LoadedScenario, load, load_mapping
+from .composing import composed, tell_doubts
+from .ending import Ending, conclude
+from .exit_codes import Exit
+from .inputs import gather_inputs
+from .narrator import Narrator, Silent
+from .record import Prepared, record
+from .report import Report, Series, columns
+from .sinks import Memory, Several, Telling
+from .thread_limits import ThreadLimits
 
 
-@dataclass(frozen=True, slots=True)
-class Result:
-    """A finished run in memory.
+def simulate(
+    scenario: str | Path | Mapping[str, Any] | LoadedScenario,
+    *,
+    overrides: Sequence[str] = (),
+    profile: str | None = None,
+    limits: Limits = Limits(),
+    kernels: str | None = None,
+    out: str | Path | None = None,
+    narrator: Narrator = Silent(),
+) -> Report:
+    """Run a scenario to its end, or to a limit.
 
-    Attributes:
-        outcome: How it ended, last state, watched values.
-        frames: All frames.
-        built: Simulation and plan.
-    """
-
-    outcome: Outcome
-    frames: tuple[Frame, ...]
-    built: Composition
-
-
-def simulate(scenario: LoadedScenario | str | Path) -> Result:
-    """Run a scenario to its end without writing anything.
+    A run that fails is a report too; :meth:`.Report.raise_for_status` makes an error of it. While it
+    lasts, NumPy, SciPy and MKL have the threads that the environment says (``OMP_NUM_THREADS``, ...),
+    else one each, as on the command line.
 
     Args:
-        scenario: As loaded, or the path of its file.
+        scenario: A file, by its path; a mapping, see :func:`.load_mapping`; or what :func:`.load` and
+            :func:`.load_text` return. A ``str`` is always a path, never the text of a scenario.
+        overrides: Arguments such as ``numerics.dt=5 ms``, applied in order.
+        profile: ``draft``, ``normal`` or ``accurate``.
+        limits: When to pause.
+        kernels: ``numpy`` or ``numba``, in place of the plan's choice.
+        out: A new or empty folder that becomes the run directory, as with ``dismech run -o``, without
+            pictures. Ctrl-C then finishes the step and leaves a run that ``dismech resume`` continues.
+        narrator: Told what happens.
 
     Raises:
-        ScenarioError: It cannot be read or built.
+        ScenarioError: The scenario cannot be read or composed, or was loaded before and is to be changed.
+        OutputError: A result cannot be written to ``out``.
     """
-    loaded = scenario if isinstance(scenario, LoadedScenario) else load(scenario)
-    built = compose(loaded)
-    memory = Memory()
-    outcome = run(built.simulation, memory)
-    return Result(outcome, tuple(memory.frames), built)
+    tick = time.perf_counter()
+    loaded = _loaded(scenario, overrides, profile)
+    for warning in loaded.warnings:
+        narrator.warn(warning)
+    tock = time.perf_counter()
+    with ThreadLimits() as threads:
+        composition = composed(loaded, kernels, narrator)
+        tell_doubts(composition, narrator)
+        prepared = Prepared(
+            loaded=loaded,
+            composition=composition,
+            inputs=gather_inputs(loaded),
+            limits=limits,
+            seconds={"load": tock - tick, "build": time.perf_counter() - tock},
+        )
+        memory = Memory()
+        sinks = (threads, memory)
+        if out is None:
+            outcome, ending = _in_memory(prepared, narrator, sinks)
+        else:
+            outcome, ending = _in_directory(prepared, Path(out), narrator, sinks)
+    scalars = columns(memory.frames, tuple(composition.simulation.topology.scalars))
+    return Report(
+        exit=Exit(ending.code),
+        message=ending.message,
+        verdicts=ending.verdicts,
+        frames=tuple(memory.frames),
+        scalars=scalars,
+        probes={name: scalars[name] for name in composition.simulation.probes},
+        watched={name: Series(outcome.times, values) for name, values in outcome.watched.items()},
+        warnings=(*loaded.warnings, *composition.plan.warnings, *outcome.doubts),
+        seconds={**prepared.seconds, **outcome.seconds},
+        run_dir=None if out is None else Path(out),
+        outcome=outcome,
+        composition=composition,
+    )
+
+
+def _loaded(
+    scenario: str | Path | Mapping[str, Any] | LoadedScenario, overrides: Sequence[str], profile: str | None
+) -> LoadedScenario:
+    match scenario:
+        case str() | Path():
+            return load(scenario, overrides=overrides, profile=profile)
+        case LoadedScenario():
+            if overrides or profile is not None:
+                raise ScenarioError(
+                    "overrides and profile change a scenario while it is loaded: give them there"
+                )
+            return scenario
+        case _:
+            return load_mapping(scenario, overrides=overrides, profile=profile)
+
+
+def _in_memory(
+    prepared: Prepared, narrator: Narrator, sinks: tuple[ThreadLimits, Memory]
+) -> tuple[Outcome, Ending]:
+    outcome = run(
+        prepared.composition.simulation,
+        Several((*sinks, Telling(narrator))),
+        limits=prepared.limits,
+        announce=narrator.detail,
+    )
+    scenario = prepared.loaded.scenario
+    return outcome, conclude(scenario, outcome, prepared.limits, StopRequest(), narrator, advice="")
+
+
+def _in_directory(
+    prepared: Prepared, out: Path, narrator: Narrator, sinks: tuple[ThreadLimits, Memory]
+) -> tuple[Outcome, Ending]:
+    """Run into a directory; a signal that came is delivered once the run is recorded.
+
+    Raises:
+        KeyboardInterrupt: After a signal that the process survived.
+    """
+    run_dir = run_directory.create_at(out)
+    with stop_on_signals() as stop:
+        done = record(prepared, run_dir, stop, narrator, sinks)
+    if stop.signal is not None:
+        signal.raise_signal(stop.signal)
+    if stop.signal is not None or done.outcome is None:
+        raise KeyboardInterrupt
+    return done.outcome, done.ending

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..output import run_directory
+from ..run.interrupt import stop_on_signals
 from ..scenario.load import LoadedScenario, load
 from .composing import composed, tell_doubts
 from .drawing import Finished, draw_asked
@@ -68,7 +69,9 @@ def start(request: Start, narrator: Narrator) -> Finished:
         limits=limits,
         seconds={"load": tock - tick, "build": time.perf_counter() - tock},
     )
-    done = record(prepared, _directory(request, loaded), narrator)
+    run_dir = _directory(request, loaded)
+    with stop_on_signals() as stop:
+        done = record(prepared, run_dir, stop, narrator)
     return draw_asked(done, loaded.scenario.output.render, narrator)
 
 

@@ -34,6 +34,12 @@ class Verdict:
     source: str
     passed: bool
 
+    def __str__(self) -> str:
+        measured, expected = (with_unit(f"{x:.6g}", self.unit) for x in (self.measured, self.expected))
+        word = "kept" if self.passed else "missed"
+        promised = f"expected {expected} within {self.tolerance} ({self.source})"
+        return f"{self.name} {word}: measured {measured}, {promised}"
+
 
 def judge(expectations: Mapping[str, Expectation], outcome: Outcome) -> tuple[Verdict, ...]:
     """Measure every expectation on the watched series of a finished run."""

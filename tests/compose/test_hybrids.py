@@ -11,7 +11,7 @@ from numpy.testing import assert_allclose
 from shell_decks import MIXED, STATIC, Deck, made, ran, refused, write
 
 from dismech_cli.model.stencil import StencilEnergy
-from dismech_cli.session.simulate import Result
+from dismech_cli.session.report import Report
 
 __all__ = ["made", "ran", "refused", "write"]
 
@@ -59,7 +59,7 @@ def push(where: Any, force: list[float]) -> Deck:
     return {"forces": [{"type": "point", "where": where, "force": force}]}
 
 
-def moved(result: Result, place: list[float]) -> np.ndarray:
+def moved(result: Report, place: list[float]) -> np.ndarray:
     """Displacement of the node at a place."""
     start, end = result.frames[0].positions, result.frames[-1].positions
     distances = np.linalg.norm(start - place, axis=1)

@@ -47,7 +47,7 @@ from dismech_cli.model.stencil import StencilEnergy
 from dismech_cli.model.term import Term
 from dismech_cli.run.loop import End, Limits, run
 from dismech_cli.sections.shells import hinge_springs, midedge_springs
-from dismech_cli.session.simulate import Memory
+from dismech_cli.session.sinks import Memory
 from dismech_cli.solve.pattern import SparsityPattern
 
 __all__ = ["made", "ran", "write"]
@@ -262,7 +262,7 @@ def test_driven_hinges_fold_towards_the_normals(ran: Any, bending: str) -> None:
     )
     result = ran(deck)
     last = result.frames[-1]
-    topology = shell_edges(result.built.geometry.triangles)
+    topology = shell_edges(result.composition.geometry.triangles)
     angles = hinge_angles(last.positions, topology.hinges)
     folded = np.ptp(last.positions[topology.hinges[:, :2]][:, :, 0], axis=1) < 1e-9
     assert_allclose(np.abs(angles[folded]), np.radians(20.0), rtol=1e-6)
@@ -330,7 +330,7 @@ def test_massless_normals_do_not_ring(ran: Any) -> None:
     )
     result = ran(deck)
     last, before = (result.frames[k].state for k in (-1, -2))
-    xi = slice(result.built.simulation.model.dofs.n_positions, None)
+    xi = slice(result.composition.simulation.model.dofs.n_positions, None)
     assert np.abs(last["v"][xi]).max() > 1e-3
     assert_allclose(last["v"][xi], (last["q"] - before["q"])[xi] / 1e-3, rtol=1e-9, atol=1e-9)
 
@@ -347,7 +347,7 @@ def test_fields_of_shells(ran: Any, bending: str) -> None:
     deck["geometry"] = [*deck["geometry"], rod([0.0, 0.0, 1.0], [0.0, 0.0, 0.5])]
     deck["motions"] = [*deck["motions"], {"type": "clamp", "where": "rod.start"}]
     result = ran(deck)
-    last, geometry = result.frames[-1], result.built.geometry
+    last, geometry = result.frames[-1], result.composition.geometry
     cells = len(geometry.edges) + len(geometry.triangles)
     for name in ("area_strain", "bending_energy_density", "axial_force"):
         assert last.fields[name].shape == (cells,)

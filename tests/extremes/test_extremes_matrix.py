@@ -15,7 +15,7 @@ from decks import Deck, attempt, line, rod_deck
 from numpy.testing import assert_allclose
 
 from dismech_cli.run.loop import End
-from dismech_cli.session.simulate import Result
+from dismech_cli.session.report import Report
 
 MODULUS = (1e2, 1e4, 1e6, 1e9, 1e12)
 RADIUS = (1e-6, 1e-4, 1e-3, 1e-2, 1.0)
@@ -65,14 +65,14 @@ def cantilever(
     )
 
 
-def assert_finite(result: Result) -> None:
+def assert_finite(result: Report) -> None:
     """In every frame."""
     for frame in result.frames:
         assert np.isfinite(frame.positions).all()
         assert np.isfinite(list(frame.scalars.values())).all()
 
 
-def assert_done(result: Result) -> None:
+def assert_done(result: Report) -> None:
     """To the end, finite all along."""
     assert_finite(result)
     assert result.outcome.end is End.DONE, result.outcome.message

@@ -10,7 +10,7 @@ import dismech_cli
 from dismech_cli.compose.compose import compose
 from dismech_cli.model.state import State
 from dismech_cli.run.loop import End, run
-from dismech_cli.session.simulate import Memory
+from dismech_cli.session.sinks import Memory
 from dismech_cli.solve.integrators import ImplicitEuler, Stage
 
 DECK = """

@@ -12,12 +12,11 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from dismech_cli.compose.compose import compose
-from dismech_cli.run.loop import End, Limits, run
+from dismech_cli import Limits, Report, load, simulate
+from dismech_cli.run.loop import End
 from dismech_cli.run.observables.reduce import reduce_series
 from dismech_cli.scenario.language.numerics import ImplicitEuler, Newmark, Numerics, Static
-from dismech_cli.scenario.load import LoadedScenario, load
-from dismech_cli.session.simulate import Memory, Result
+from dismech_cli.scenario.load import LoadedScenario
 
 FOLDER = Path(__file__).parents[2] / "scenarios"
 NAMES = sorted(file.stem for file in FOLDER.glob("*.yaml"))
@@ -41,15 +40,8 @@ def scene(name: str, *overrides: str) -> LoadedScenario:
     return load(FOLDER / f"{name}.yaml", overrides=overrides)
 
 
-def simulate(loaded: LoadedScenario, limits: Limits | None = None) -> Result:
-    built = compose(loaded)
-    memory = Memory()
-    outcome = run(built.simulation, memory, limits=limits or Limits())
-    return Result(outcome, tuple(memory.frames), built)
-
-
 @cache
-def finished(name: str) -> Result:
+def finished(name: str) -> Report:
     """The scenario as written, run once for all tests."""
     result = simulate(scene(name))
     assert result.outcome.end is End.DONE, result.outcome.message
@@ -71,6 +63,13 @@ def at_rest(name: str, *overrides: str) -> np.ndarray:
     return result.frames[-1].positions[-1]
 
 
+def first_steps(loaded: LoadedScenario) -> Report:
+    """Three steps, without waiting for compiled kernels."""
+    numerics = loaded.scenario.numerics
+    step = numerics.dt if numerics.dt is not None else 1.0 / numerics.integrator.load_steps
+    return simulate(loaded, limits=Limits(until=2.5 * step), kernels="numpy")
+
+
 def names_by_speed() -> list[object]:
     return [pytest.param(n, marks=pytest.mark.slow) if n in SLOW else n for n in NAMES]
 
@@ -85,14 +84,13 @@ def test_says_what_it_is(name):
 
 @pytest.mark.parametrize("name", NAMES)
 def test_builds_and_steps(name):
-    loaded = scene(name)
-    simulation = compose(loaded, kernels="numpy").simulation
-    memory = Memory()
-    until = float(simulation.control.grid[min(3, len(simulation.control.grid) - 1)])
-    outcome = run(simulation, memory, limits=Limits(until=until))
+    report = first_steps(scene(name))
+    outcome, simulation = report.outcome, report.composition.simulation
     assert outcome.end in (End.INTERRUPTED, End.DONE), outcome.message
     assert outcome.counters["cuts"] == 0
-    assert_allclose(outcome.state.t, until, rtol=1e-12)
+    steps = min(3, len(simulation.control.grid) - 1)
+    assert outcome.counters["steps"] == steps
+    assert_allclose(outcome.state.t, simulation.control.grid[steps], rtol=1e-12)
     assert np.isfinite(outcome.state.q).all()
     assert np.abs(outcome.state.q - simulation.model.rest).max() > 0.0
 

@@ -11,10 +11,9 @@ from numpy.polynomial import Legendre, Polynomial
 from numpy.polynomial.legendre import leggauss
 from numpy.testing import assert_allclose
 
-from dismech_cli.compose.compose import compose
-from dismech_cli.run.loop import End, Limits, run
-from dismech_cli.scenario.load import LoadedScenario, load
-from dismech_cli.session.simulate import Memory
+from dismech_cli import Limits, load, simulate
+from dismech_cli.run.loop import End
+from dismech_cli.scenario.load import LoadedScenario
 
 FOLDER = Path(__file__).parents[2] / "scenarios"
 NAMES = ["shell_cantilever_midedge", "shell_cantilever_hinge", "parachute", "hemisphere_hang", "manta_ray"]
@@ -26,13 +25,11 @@ def scene(name: str, *overrides: str) -> LoadedScenario:
     return load(FOLDER / f"{name}.yaml", overrides=overrides)
 
 
-def positions(name: str, *overrides: str, until: float | None = None) -> tuple[np.ndarray, np.ndarray]:
+def positions(name: str, *overrides: str, until: float = float("inf")) -> tuple[np.ndarray, np.ndarray]:
     """Positions at the start and the end of a run."""
-    memory = Memory()
-    simulation = compose(scene(name, *overrides), kernels="numpy").simulation
-    outcome = run(simulation, memory, limits=Limits() if until is None else Limits(until=until))
-    assert outcome.end in (End.DONE, End.INTERRUPTED), outcome.message
-    return memory.frames[0].positions, memory.frames[-1].positions
+    report = simulate(scene(name, *overrides), limits=Limits(until=until), kernels="numpy")
+    assert report.outcome.end in (End.DONE, End.INTERRUPTED), report.message
+    return report.frames[0].positions, report.frames[-1].positions
 
 
 def tip(name: str, *overrides: str) -> float:
@@ -82,13 +79,14 @@ def clamped_plate(poisson_ratio: float, stiffness: float, length: float, terms: 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_builds_and_steps(name):
-    simulation = compose(scene(name), kernels="numpy").simulation
-    memory = Memory()
-    until = float(simulation.control.grid[min(3, len(simulation.control.grid) - 1)])
-    outcome = run(simulation, memory, limits=Limits(until=until))
-    assert outcome.end is End.INTERRUPTED, outcome.message
-    assert_allclose(outcome.state.t, until, rtol=1e-12)
-    assert np.abs(outcome.state.q - simulation.model.rest).max() > 0.0
+    loaded = scene(name)
+    dt = loaded.scenario.numerics.dt
+    step = dt if dt is not None else 1.0 / loaded.scenario.numerics.integrator.load_steps
+    report = simulate(loaded, limits=Limits(until=2.5 * step), kernels="numpy")
+    simulation, state = report.composition.simulation, report.state
+    assert report.outcome.end is End.INTERRUPTED, report.message
+    assert_allclose(state.t, simulation.control.grid[3], rtol=1e-12)
+    assert np.abs(state.q - simulation.model.rest).max() > 0.0
 
 
 def test_meshes_follow_their_formulas():
@@ -166,11 +164,9 @@ def test_parachute_starts_in_free_fall():
 @pytest.mark.slow
 def test_the_bell_climbs_by_the_same_in_every_period_but_the_first():
     """Thrust and drag balance from the second beat on; it starts from rest, contracting at full thrust."""
-    memory = Memory()
-    outcome = run(compose(scene("jellyfish")).simulation, memory)
-    assert outcome.end is End.DONE, outcome.message
-    middle = np.array([frame.positions.mean(axis=0) for frame in memory.frames])
-    times = np.array([frame.t for frame in memory.frames])
+    frames = simulate(scene("jellyfish")).raise_for_status().frames
+    middle = np.array([frame.positions.mean(axis=0) for frame in frames])
+    times = np.array([frame.t for frame in frames])
     heights = np.interp([0.0, 0.5, 1.0, 1.5, 2.0], times, middle[:, 2])
     gains = np.diff(heights)
     assert gains[0] > gains[1] > 0.03

@@ -12,7 +12,7 @@ import numpy as np
 from dismech_cli import load, simulate
 from dismech_cli.arrays import FloatArray
 from dismech_cli.run.loop import End
-from dismech_cli.session.simulate import Result
+from dismech_cli.session.report import Report
 
 Deck = dict[str, Any]
 
@@ -67,7 +67,7 @@ def rod_deck(centreline: Deck, section: Deck | None = None, **keys: Any) -> Deck
     return {key: value for key, value in deck.items() if value is not None}
 
 
-def attempt(folder: Path, deck: Deck, *overrides: str) -> Result:
+def attempt(folder: Path, deck: Deck, *overrides: str) -> Report:
     """Run a deck, however it ends."""
     file = folder / "scene.yaml"
     # JSON is YAML
@@ -75,19 +75,19 @@ def attempt(folder: Path, deck: Deck, *overrides: str) -> Result:
     return simulate(load(file, overrides=overrides))
 
 
-def solve(folder: Path, deck: Deck, *overrides: str) -> Result:
+def solve(folder: Path, deck: Deck, *overrides: str) -> Report:
     """Run a deck to its end."""
     result = attempt(folder, deck, *overrides)
     assert result.outcome.end is End.DONE, result.outcome.message
     return result
 
 
-def tip(result: Result) -> FloatArray:
+def tip(result: Report) -> FloatArray:
     """Last node of the last frame [m], shape (3,)."""
     return result.frames[-1].positions[-1]
 
 
-def scalar(result: Result, name: str) -> FloatArray:
+def scalar(result: Report, name: str) -> FloatArray:
     """A column of the scalar table over the frames."""
     return np.array([frame.scalars[name] for frame in result.frames])
 

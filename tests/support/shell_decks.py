@@ -13,7 +13,8 @@ from dismech_cli import load
 from dismech_cli.compose.compose import compose
 from dismech_cli.errors import ScenarioError
 from dismech_cli.run.loop import End
-from dismech_cli.session.simulate import Result, simulate
+from dismech_cli.session.report import Report
+from dismech_cli.session.simulate import simulate
 
 Deck = dict[str, Any]
 RUBBER = Material(youngs_modulus=1e6, poisson_ratio=0.3, thickness=2e-3, density=1000.0)
@@ -72,7 +73,7 @@ def made(write: Any) -> Any:
 
 @pytest.fixture
 def ran(write: Any) -> Any:
-    def done(deck: Deck) -> Result:
+    def done(deck: Deck) -> Report:
         result = simulate(write(deck))
         assert result.outcome.end is End.DONE, result.outcome.message
         return result

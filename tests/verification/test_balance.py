@@ -12,7 +12,7 @@ from numpy.testing import assert_allclose
 from order import observed_order
 
 from dismech_cli.arrays import FloatArray
-from dismech_cli.session.simulate import Result
+from dismech_cli.session.report import Report
 
 INTEGRATORS: dict[str, int] = {
     "implicit_euler": 1,
@@ -36,7 +36,7 @@ def timed(integrator: str, dt: float, t_end: float, **keys: Any) -> Deck:
 TWISTED: Deck = {"natural": {"curvature_1": 0.8, "curvature_2": -0.5, "twist": 1.5}}
 
 
-def free_rod(folder: Path, integrator: str, dt: float, t_end: float, rod: Deck) -> Result:
+def free_rod(folder: Path, integrator: str, dt: float, t_end: float, rod: Deck) -> Report:
     """A rod that nobody holds, flung so that it tumbles, bends and stretches."""
     nodes = 15
     along = np.vander(np.linspace(-1.0, 1.0, nodes), 4)
@@ -62,7 +62,7 @@ def nodal_masses(nodes: int) -> FloatArray:
     return mass
 
 
-def momenta(result: Result) -> tuple[FloatArray, FloatArray]:
+def momenta(result: Report) -> tuple[FloatArray, FloatArray]:
     """Linear and angular momentum of the nodes over the frames, shapes (frames, 3)."""
     x = np.array([frame.positions for frame in result.frames])
     p = np.array([frame.fields["velocity"] for frame in result.frames])
