@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from importlib.util import find_spec
+
 from ..compose.compose import Composition, compose
+from ..compose.numerics import DRIVERS
 from ..compose.structure.plan import Plan
+from ..errors import ScenarioError
 from ..kernels.cache import cache_folder, is_compiled
 from ..scenario.load import LoadedScenario
+from ..words import listed
 from .narrator import Narrator
 
 
@@ -18,8 +23,12 @@ def composed(loaded: LoadedScenario, kernels: str | None, narrator: Narrator) ->
         narrator: Told the plan before anything is built, which may take long to compile.
 
     Raises:
-        ScenarioError: It cannot be composed.
+        ScenarioError: It cannot be composed, or there are no such kernels.
     """
+    if kernels is not None and kernels not in DRIVERS:
+        raise ScenarioError(f"unknown kernels {kernels!r}: expected {listed(DRIVERS)}")
+    if kernels == "numba" and find_spec("numba") is None:
+        raise ScenarioError("kernels by numba, which is missing: pip install 'dismech[fast]'")
     return compose(loaded, kernels, planned=lambda plan: tell_plan(plan, narrator))
 
 

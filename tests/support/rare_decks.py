@@ -21,7 +21,7 @@ from dismech_cli.laws import laws
 from dismech_cli.run.observables.reduce import reduce_series
 from dismech_cli.scenario.load import LoadedScenario
 from dismech_cli.sections.shells import hinge_stiffness
-from dismech_cli.session.simulate import Result
+from dismech_cli.session.report import Report
 
 Choice = tuple[str, str]
 SHORT: Deck = {"integrator": {"type": "implicit_euler"}, "dt": 0.01, "t_end": 0.02}
@@ -47,7 +47,7 @@ class Rare:
     choices: frozenset[Choice] = frozenset()
     files: Mapping[str, str] = field(default_factory=dict)
     profile: str | None = None
-    steps: Callable[[LoadedScenario, Result], None] | None = None
+    steps: Callable[[LoadedScenario, Report], None] | None = None
 
 
 def parts_of(value: Any) -> Iterator[Any]:
@@ -226,7 +226,7 @@ def solved_by(name: str) -> Rare:
     def names_it(made: Composition) -> None:
         assert made.simulation.linear_solver == name
 
-    def hangs(loaded: LoadedScenario, result: Result) -> None:
+    def hangs(loaded: LoadedScenario, result: Report) -> None:
         assert result.frames[-1].positions[-1, 2] < 0.0
 
     return Rare(
@@ -246,7 +246,7 @@ def run_by(name: str, driver: type) -> Rare:
         assert made.plan.kernels == name
         assert isinstance(made.simulation.model.driver, driver)
 
-    def steps(loaded: LoadedScenario, result: Result) -> None:
+    def steps(loaded: LoadedScenario, result: Report) -> None:
         assert np.isfinite(result.frames[-1].positions).all()
 
     return Rare(
@@ -271,7 +271,7 @@ def under(profile: str) -> Rare:
     )
 
 
-def starts_at_rest(loaded: LoadedScenario, result: Result) -> None:
+def starts_at_rest(loaded: LoadedScenario, result: Report) -> None:
     (expectation,) = loaded.scenario.expect.values()
     outcome = result.outcome
     measured = reduce_series(outcome.times, outcome.watched["end"], expectation.reduce)
