@@ -19,7 +19,7 @@ from dismech_cli.model.driven import Drive, DrivenEnergy
 from dismech_cli.model.model import Model
 from dismech_cli.model.state import State
 from dismech_cli.solve.integrators import GeneralizedAlpha, Integrator, TrBdf2
-from dismech_cli.solve.newton import NewtonSettings
+from dismech_cli.solve.problem import NewtonSettings
 from dismech_cli.solve.status import Status
 from dismech_cli.solve.step import Stepper
 

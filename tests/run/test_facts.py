@@ -20,7 +20,7 @@ from dismech_cli.model.stencil import StencilEnergy
 from dismech_cli.run.account import EnergyAccount
 from dismech_cli.run.roles import Roles
 from dismech_cli.solve.integrators import GeneralizedAlpha
-from dismech_cli.solve.newton import NewtonSettings
+from dismech_cli.solve.problem import NewtonSettings
 from dismech_cli.solve.step import Stepper
 
 RAMP = Ramp(before=0.0, after=1.0, start=0.0, end=1e-2)
@@ -42,7 +42,7 @@ def residual(term: Elastic, model: Model, q: FloatArray) -> FloatArray:
 def test_what_touches_some_dofs_is_all_of_the_residual_there(name: str, drive: bool) -> None:
     case = ELASTIC[name]
     assert isinstance(case.term, StencilEnergy)
-    can_be_driven = case.term.kernel.naturals > 0
+    can_be_driven = bool(case.term.kernel.naturals)
     term = driven(case.term, Constant(0.5)) if drive and can_be_driven else case.term
     q, mask = disturbed(case.model, 1), np.zeros(case.model.dofs.n, dtype=bool)
     mask[case.term.dofs[-1]] = True
