@@ -261,7 +261,7 @@ def under(profile: str) -> Rare:
     """Declared, it replaces the built-in profile of that name."""
 
     def steps_so(made: Composition) -> None:
-        assert_allclose(np.diff(made.simulation.grid), 0.005, rtol=1e-12)
+        assert_allclose(np.diff(made.simulation.control.grid), 0.005, rtol=1e-12)
 
     return Rare(
         rod_deck(line(4), numerics=SHORT, profiles={profile: {"numerics": {"dt": 0.005}}}),
