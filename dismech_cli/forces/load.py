@@ -52,6 +52,11 @@ class DeadLoad:
         """Return itself: nothing to look up."""
         return self
 
+    @property
+    def potential(self) -> DeadLoad:
+        """Itself."""
+        return self
+
     def energy(self, c: Configuration) -> FloatArray:
         """-f.q [J], shape (1, 1): the potential at fixed time."""
         return np.array([[-self._scale(c) * float(self.force @ c.q)]])

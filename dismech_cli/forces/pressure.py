@@ -128,6 +128,11 @@ class _BoundVolume:
         """Whether the pressure never changes."""
         return self.load.signal.constant
 
+    @property
+    def potential(self) -> _BoundVolume:
+        """Itself."""
+        return self
+
     def energy(self, c: Configuration) -> FloatArray:
         """-p times each face's share of the volume [J], shape (1, T)."""
         x0, x1, x2 = self._corners(c)

@@ -36,6 +36,7 @@ class Thrust:
     sense: float
     push: FloatArray
     velocity_dependent: ClassVar[bool] = True
+    potential: ClassVar[None] = None
 
     @property
     def couplings(self) -> tuple[Coupling, ...]:

@@ -48,6 +48,7 @@ class BoundViscousDamping:
     dofs: IntArray
     coefficients: FloatArray
     slots: IntArray = field(repr=False)
+    potential: ClassVar[None] = None
 
     def add_residual(self, c: Configuration, r: FloatArray) -> None:
         """Add eta l v."""

@@ -63,6 +63,7 @@ class BoundDrag:
     name: str
     loop: DragLoop
     parameters: FloatArray
+    potential: ClassVar[None] = None
 
     def add_residual(self, c: Configuration, r: FloatArray) -> None:
         """Add -f."""

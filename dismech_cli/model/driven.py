@@ -102,6 +102,11 @@ class BoundDriven:
             self._time, self._inputs = c.t, c.inputs
         return self._stencil
 
+    @property
+    def potential(self) -> BoundDriven:
+        """Itself."""
+        return self
+
     def energy(self, c: Configuration) -> FloatArray:
         """Energies [J], shape (shares, S)."""
         return self.at(c).energy(c)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -30,6 +31,7 @@ class BoundLoad:
     loop: LoadLoop
     parameters: FloatArray
     signal: Signal
+    potential: ClassVar[None] = None
 
     @classmethod
     def of(

@@ -119,6 +119,11 @@ class BoundStencil:
     parameters: FloatArray
     steady: ClassVar[bool] = True
 
+    @property
+    def potential(self) -> BoundStencil:
+        """Itself."""
+        return self
+
     def energy(self, c: Configuration) -> FloatArray:
         """Energies [J], shape (shares, S)."""
         return self.loop.energy(c.q, c.frames.auxiliary, self.parameters)

@@ -7,7 +7,7 @@ the residual share is +dE/dq of an energy and -f of a force.
 
 from __future__ import annotations
 
-from typing import ClassVar, Protocol, runtime_checkable
+from typing import ClassVar, Protocol
 
 from ..arrays import FloatArray
 from ..kernels.driver import Driver
@@ -22,6 +22,10 @@ class BoundTerm(Protocol):
     def name(self) -> str:
         """Unique name, e.g. ``"beam.stretch"``; it labels, it never chooses behaviour."""
 
+    @property
+    def potential(self) -> BoundEnergy | None:
+        """This term as the gradient of an energy; None where it is none."""
+
     def add_residual(self, c: Configuration, r: FloatArray) -> None:
         """Add the residual share to ``r``, shape (n,) [N, N m]."""
 
@@ -29,7 +33,6 @@ class BoundTerm(Protocol):
         """Add residual and tangent values."""
 
 
-@runtime_checkable
 class BoundEnergy(BoundTerm, Protocol):
     """A bound term whose residual is the gradient of an energy at fixed time."""
 

@@ -56,9 +56,8 @@ class System:
         self._exact = Terms.bound(model, base, model.driver)
         self._overlay = Overlay(base, model.changing, model.driver) if model.changing else None
         self._assembly = Assembly(model, base)
-        # sorted here: a check against a protocol costs as much as a term
-        self._energies = [t for t in self.terms if isinstance(t, BoundEnergy)]
-        self._others = [t for t in self.terms if not isinstance(t, BoundEnergy)]
+        self._energies = [energy for term in self.terms if (energy := term.potential) is not None]
+        self._others = [term for term in self.terms if term.potential is None]
         self._split = model.dofs.n_positions
         at_node = base.free < self._split
         self.at_node = at_node.astype(np.float64)

@@ -180,6 +180,15 @@ def test_a_mapping_leaves_a_run_that_resumes(call, swing):
         assert_array_equal(np.asarray(run.positions), [frame.positions for frame in straight.frames])
 
 
+@pytest.fixture
+def attentive():
+    """Ctrl-C is heard, also where the tests themselves run in the background."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.usefixtures("attentive")
 def test_an_interrupt_is_recorded_and_then_raised(call, swing):
     class Impatient(Silent):
         __slots__ = ()

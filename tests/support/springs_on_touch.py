@@ -74,6 +74,10 @@ class _Bound:
         self._slots = pattern.symmetric_slots(clique[:, i[upper]], clique[:, j[upper]])
         self._upper = upper
 
+    @property
+    def potential(self) -> _Bound:
+        return self
+
     def energy(self, c: Configuration) -> FloatArray:
         _, distance = self.springs.vectors(c.q)
         short = np.maximum(self.springs.reach - distance, 0.0)
