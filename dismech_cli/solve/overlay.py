@@ -17,8 +17,10 @@ from .pattern import Extension, SparsityPattern
 class Overlay:
     """The changing terms of a system with their place in the matrix.
 
-    The pattern grows when a coupling comes that it lacks. What it had of the present step stays in it, so
-    that a stencil on the brink does not change it at every iterate; what is older goes at the next growth.
+    A step begins with the couplings that its first trial point has, no others: it depends on where it
+    starts, not on what came before, as a resumed run must. Within the step the pattern grows when a coupling
+    comes that it lacks, and what it had stays, so that a stencil on the brink does not change it at every
+    iterate.
 
     Attributes:
         terms: All changing terms, bound.
@@ -31,13 +33,13 @@ class Overlay:
         self._symmetric = [term for symmetric, term in bound if symmetric]
         self._general = [term for symmetric, term in bound if not symmetric]
         self.terms: tuple[BoundChanging, ...] = (*self._symmetric, *self._general)
-        self._moved = False
+        self._moved, self._begins = False, True
         self._of_step: list[Coupling] = []
         self._extend()
 
     def start_step(self) -> None:
-        """Forget the couplings of the last step; the pattern keeps them until it grows."""
-        self._of_step = []
+        """Let go of what the last step had, at the next trial point."""
+        self._begins = True
 
     def detect(self, c: Configuration) -> None:
         """Find the stencils at a trial point."""
@@ -45,18 +47,23 @@ class Overlay:
             self._moved |= term.detect(c)
 
     def follow(self) -> bool:
-        """Give the stencils their places; True if the pattern had to grow."""
-        if not self._moved:
+        """Give the stencils their places; True if that took another pattern."""
+        if not (self._moved or self._begins):
             return False
-        self._moved = False
         present = [coupling for term in self.terms for coupling in term.couplings]
-        self._of_step += present
-        grown = not self._extension.pattern.holds(present)
-        if grown:
-            self._extend()
+        entries = self._base.entries(present)
+        if self._begins:
+            fits = np.array_equal(entries, self._extension.entries)
+            self._of_step = present
         else:
+            fits = self._extension.pattern.holds(entries)
+            self._of_step += present
+        if not fits:
+            self._extend()
+        elif self._moved:
             self._place()
-        return grown
+        self._moved = self._begins = False
+        return not fits
 
     def add(self, c: Configuration, residual: FloatArray, rank_ones: list[RankOne]) -> Iterator[None]:
         """Add the terms' residuals and tangents, pausing after each of them."""

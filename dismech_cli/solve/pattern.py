@@ -123,14 +123,17 @@ class SparsityPattern:
         """Matrix of the stored entries; a view of ``values`` without the spare slot."""
         return csr_matrix((values[: self.nnz], self.indices, self.indptr), shape=(self.m, self.m))
 
-    def holds(self, couplings: Iterable[Coupling]) -> bool:
-        """Whether every entry of these couplings is stored."""
-        wanted = _entries(self, couplings)
-        return bool((np.append(self.keys, -1)[np.searchsorted(self.keys, wanted)] == wanted).all())
+    def holds(self, entries: IntArray) -> bool:
+        """Whether every one of some entries, given by their keys, is stored."""
+        return bool((np.append(self.keys, -1)[np.searchsorted(self.keys, entries)] == entries).all())
+
+    def entries(self, couplings: Iterable[Coupling]) -> IntArray:
+        """Keys of all entries of cliques, each once, ascending."""
+        return _entries(self, couplings)
 
     def extended(self, couplings: Iterable[Coupling]) -> Extension:
         """The pattern with more couplings, in the same order of DOFs."""
-        wanted = _entries(self, couplings)
+        wanted = self.entries(couplings)
         both = np.concatenate((self.keys, wanted))
         # two ascending pieces: a stable sort merges them; of equal keys that of the base comes first
         merged = np.argsort(both, kind="stable")
