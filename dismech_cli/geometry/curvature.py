@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from .kernel import kernel
 from .vectors import Vector, add, combine, cross, dot, norm, scale
 
@@ -29,23 +31,46 @@ def turned(r1: Vector, r2: Vector, cosine: Any, sine: Any) -> Any:
 
 
 @kernel
-def curvature_slopes(kb: Vector, m1: Vector, m2: Vector) -> Any:
-    """Derivatives of both material curvatures to the angle of one edge: -kb.m1/2 and -kb.m2/2.
+def joint_directors(
+    m1e: Vector, m2e: Vector, m1f: Vector, m2f: Vector, half: Any, cosine: Any, sine: Any
+) -> Any:
+    """Directors half way between two edges, on either of them.
 
-    The curvatures themselves are kappa_1 = kb.(m2e + m2f)/2 and kappa_2 = -kb.(m1e + m1f)/2: sums of
-    these numbers.
+    Those on f are those on e, parallel-transported, at any twist.
+
+    Args:
+        m1e: Directors of the edge walked first; ``m2e`` likewise.
+        m2e: See ``m1e``.
+        m1f: Directors of the other; ``m2f`` likewise.
+        m2f: See ``m1f``.
+        half: Half of the twist beyond the rest twist [rad].
+        cosine: Of the rest twist; ``sine`` likewise.
+        sine: See ``cosine``.
     """
-    return -0.5 * dot(kb, m1), -0.5 * dot(kb, m2)
+    c, s = np.cos(half), np.sin(half)
+    d1e, d2e = turned(m1e, m2e, c, -s)
+    d1f, d2f = turned(m1f, m2f, c * cosine - s * sine, s * cosine + c * sine)
+    return d1e, d2e, d1f, d2f
+
+
+@kernel
+def curvature_slopes(kb: Vector, d1: Vector, d2: Vector) -> Any:
+    """Derivatives of both material curvatures to the angle of either edge: -kb.d1/2 and -kb.d2/2.
+
+    The curvatures themselves are kappa_1 = kb.d2 and kappa_2 = -kb.d1 with directors half way between
+    those of the edges.
+    """
+    return -0.5 * dot(kb, d1), -0.5 * dot(kb, d2)
 
 
 @kernel
 def curvature_gradients(slope: Any, tilt: Any, tt: Vector, kappa: Any, c1: Vector, c2: Vector) -> Any:
     """Derivatives of both material curvatures to one edge vector [1/m].
 
-    With d = (m2e + m2f)/chi the derivative of kappa_1 to e is (tf x d - kappa_1 tt)/|e|, and that to
-    f is -(te x d + kappa_1 tt)/|f|. As t x m1 = m2 and t x m2 = -m1, the cross products are
-    ``c1 = tf x m2e - m1f`` for e and ``te x m2f - m1e`` for f; those of kappa_2, with -m1 in place
-    of m2, are ``-c2 = -(tf x m1e + m2f)`` and ``-(te x m1f + m2e)``.
+    With the joint's directors d on either edge and d = (d2e + d2f)/chi the derivative of kappa_1 to e is
+    (tf x d - kappa_1 tt)/|e|, and that to f is -(te x d + kappa_1 tt)/|f|. As t x d1 = d2 and
+    t x d2 = -d1, the cross products are ``c1 = tf x d2e - d1f`` for e and ``te x d2f - d1e`` for f; those
+    of kappa_2, with -d1 in place of d2, are ``-c2 = -(tf x d1e + d2f)`` and ``-(te x d1f + d2e)``.
 
     Args:
         slope: 1/|e|, or 1/|f|.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
-from ..geometry.curvature import curvature_slopes, edge_pair, turned
+from ..geometry.curvature import curvature_slopes, edge_pair, joint_directors
 from ..geometry.vectors import dot, scale
 from ..mesh.measure import side_vectors, triangle_areas
 
@@ -28,6 +28,7 @@ def material_curvatures(
     auxiliary: FloatArray,
     indices: IntArray,
     signs: FloatArray,
+    twist: FloatArray,
     rest_twist: FloatArray,
 ) -> FloatArray:
     """Integrated material curvatures kappa_1, kappa_2 of each joint, shape (2, J).
@@ -38,16 +39,22 @@ def material_curvatures(
         auxiliary: Auxiliary array of the trial frames.
         indices: Places of m1e, m2e, m1f, m2f in it, shape (J, 12).
         signs: Walking directions, shape (J, 2).
-        rest_twist: Twist of the directors of f against those of e at rest [rad], shape (J,).
+        twist: Twist of the directors of f against those of e [rad], shape (J,).
+        rest_twist: The same at rest, shape (J,).
     """
     e, f = _edge_vectors(positions, nodes)
     a = auxiliary[indices.T]
-    m1e, m2e = a[0:3], scale(signs[:, 0], a[3:6])
-    m1f, m2f = turned(a[6:9], scale(signs[:, 1], a[9:12]), np.cos(rest_twist), np.sin(rest_twist))
-    kb = edge_pair(e, f)[5]
-    a1, a2 = curvature_slopes(kb, m1e, m2e)
-    b1, b2 = curvature_slopes(kb, m1f, m2f)
-    return np.stack((-(a2 + b2), a1 + b1))
+    d1, d2, _, _ = joint_directors(
+        a[0:3],
+        scale(signs[:, 0], a[3:6]),
+        a[6:9],
+        scale(signs[:, 1], a[9:12]),
+        0.5 * (twist - rest_twist),
+        np.cos(rest_twist),
+        np.sin(rest_twist),
+    )
+    slopes = curvature_slopes(edge_pair(e, f)[5], d1, d2)
+    return np.stack((-2.0 * slopes[1], 2.0 * slopes[0]))
 
 
 def planar_curvature(positions: FloatArray, nodes: IntArray) -> FloatArray:

@@ -16,6 +16,7 @@ from cases import (
     disturbed,
     energy_of,
     framed_rod,
+    helix,
     isotropic_rod,
     only_bending,
     only_twist,
@@ -30,6 +31,7 @@ from dismech_cli.energies.bend_isotropic import BEND_ISOTROPIC
 from dismech_cli.energies.bend_planar import BEND_PLANAR
 from dismech_cli.energies.bend_twist import BEND_TWIST
 from dismech_cli.energies.stretch import STRETCH, STRETCH_PLANAR
+from dismech_cli.geometry.rotation import orthonormal_to, parallel_transport, signed_angle
 from dismech_cli.kernels.shape import Kernel
 from dismech_cli.model.model import Model
 from dismech_cli.model.stencil import StencilEnergy
@@ -127,6 +129,25 @@ def test_framed_derivatives_at_degenerate_states(
     )
 
 
+@pytest.mark.parametrize("spin", [0.5, 2.0, 5.0])
+def test_derivatives_far_from_the_rest_twist(spin: float) -> None:
+    """Unequal stiffnesses, angles that turn each joint of a helix by ``spin`` [rad]."""
+    nodes, edges = helix(7)
+    model = framed_rod(nodes, edges, UNEQUAL)
+    q = model.rest.copy()
+    q[model.dofs.n_positions :] = spin * np.arange(len(edges))
+    stored = adapted(model, q)
+    assert_derivatives(
+        _stressed(energy_of(model, "bend_twist")),
+        lambda x, v: configuration(model, x, v, stored),
+        q,
+        np.zeros_like(q),
+        model,
+        driver=NUMPY,
+        scale=node_scale(model, q, 0.3),
+    )
+
+
 def _assert_kernel(kernel: Kernel, y: FloatArray, a: FloatArray, p: FloatArray, variables: int) -> None:
     """Gradient (and Hessian of frameless kernels) against complex steps, made dimensionless."""
     _, gradient, packed = kernel.function(tuple(y), tuple(a), tuple(p))
@@ -156,18 +177,16 @@ def test_bending_kernels_by_complex_step(kernel: Kernel, e: FloatArray, f: Float
     if d == 2:
         e, f = (np.array([x[0], np.copysign(np.linalg.norm(x[1:]), x[1])]) for x in (e, f))
     y = np.concatenate((e, f, np.zeros(kernel.angles)))
-    directors = []
-    for sign, t in ((1.0, e), (-1.0, f)):
-        if kernel.auxiliaries:
-            t = t / np.linalg.norm(t)
-            m1 = np.cross(t, [0.3, 0.5, -0.7])
-            m1 /= np.linalg.norm(m1)
-            directors += [*m1, *(sign * np.cross(t, m1))]
-    directors += [0.0] * (kernel.auxiliaries - len(directors))
+    directors: list[float] = []
+    if kernel.auxiliaries:
+        te, tf = (x / np.linalg.norm(x) for x in (e, f))
+        m1e, m1f = (orthonormal_to(np.array([0.3, 0.5, -0.7]), t) for t in (te, tf))
+        twist = signed_angle(parallel_transport(m1e, te, tf), m1f, tf)
+        directors = [*m1e, *np.cross(te, m1e), *m1f, *-np.cross(tf, m1f), twist]
     p = {
         "bend_planar": [0.4, 1.7, 0.9],
         "bend_isotropic": [1.7, 0.9],
-        "bend_twist": [0.4, -0.2, 0.0, 1.7, 0.6, 0.0, 0.9, 1.0, -1.0, np.cos(0.3), np.sin(0.3)],
+        "bend_twist": [0.4, -0.2, 0.0, 1.7, 0.6, 0.0, 0.9, 1.0, -1.0, np.cos(0.3), np.sin(0.3), 0.3],
     }
     _assert_kernel(kernel, y, np.array(directors), np.array(p[kernel.function.__name__]), 2 * d)
 
@@ -186,7 +205,7 @@ def test_twist_kernel_angles_by_complex_step() -> None:
     """
     y = np.array([1.0, 0.2, -0.1, 0.3, 0.9, 0.4, 0.5, -1.1])
     a = np.array([0.0, 0.0, 1.0, 0.0, -1.0, 0.0] * 2 + [0.7])
-    p = np.array([0.0, 0.0, 0.2, 0.0, 0.0, 1.3, 0.8, 1.0, -1.0, 1.0, 0.0])
+    p = np.array([0.0, 0.0, 0.2, 0.0, 0.0, 1.3, 0.8, 1.0, -1.0, 1.0, 0.0, 0.0])
     gradient = np.array(BEND_TWIST.function(tuple(y), tuple(a), tuple(p))[1])
     assert np.abs(gradient[6:]).min() > 0.1
     assert_allclose(complex_gradient(BEND_TWIST, y, a, p)[6:], gradient[6:], rtol=1e-14)

@@ -224,7 +224,7 @@ def framed_rod(
     auxiliary = frames.transport(stored, rest).auxiliary
     places = frames.director_places(pairs)
     m1, m2 = np.moveaxis(auxiliary[places].reshape(count, 2, 2, 3), 2, 0)
-    kappa = material_curvatures(nodes[triples], m1, signs[:, :, None] * m2)
+    kappa = material_curvatures(nodes[triples], m1, signs[:, :, None] * m2, stored.reference_twist)
     voronoi = lengths[pairs].mean(axis=1)
     joint_dofs = np.concatenate((dofs.of_nodes(triples).reshape(count, 9), dofs.of_angles(pairs)), axis=1)
     terms: tuple[Term, ...] = (
@@ -250,6 +250,7 @@ def framed_rod(
                 "sign_f": signs[:, 1],
                 "cos_psi": 1.0,
                 "sin_psi": 0.0,
+                "psi": 0.0,
             },
             np.column_stack((places.reshape(count, 12), frames.twist_places(np.arange(count)))),
         ),
@@ -257,18 +258,22 @@ def framed_rod(
     return _assemble(dofs, nodes, edges, rod, terms, frames, driver)
 
 
-def material_curvatures(triples: FloatArray, m1: FloatArray, m2: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Both material curvatures by Bergou's formula.
+def material_curvatures(
+    triples: FloatArray, m1: FloatArray, m2: FloatArray, twist: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Both material curvatures by Bergou's formula, the mean director stretched to unit length.
 
     Args:
         triples: Node positions of each stencil, shape (S, 3, 3).
         m1: First directors of both edges, shape (S, 2, 3).
         m2: Second directors, with the sign of the edge, shape (S, 2, 3).
+        twist: Of the directors of the second edge against those of the first [rad], shape (S,).
     """
     e, f = triples[:, 1] - triples[:, 0], triples[:, 2] - triples[:, 1]
     te, tf = (x / np.linalg.norm(x, axis=1)[:, None] for x in (e, f))
     binormal = 2.0 * np.cross(te, tf) / (1.0 + (te * tf).sum(axis=1))[:, None]
-    return 0.5 * (binormal * m2.sum(axis=1)).sum(axis=1), -0.5 * (binormal * m1.sum(axis=1)).sum(axis=1)
+    half = 0.5 / np.cos(0.5 * twist)
+    return half * (binormal * m2.sum(axis=1)).sum(axis=1), -half * (binormal * m1.sum(axis=1)).sum(axis=1)
 
 
 def only_bending(term: StencilEnergy) -> StencilEnergy:

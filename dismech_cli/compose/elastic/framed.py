@@ -34,7 +34,7 @@ def framed_bending(
     trial = frames.transport(frames.rest(rest), rest)
     rest_twist = trial.state.reference_twist
     curvature = material_curvatures(
-        skeleton.positions, j.triples, trial.auxiliary, places, j.signs, rest_twist
+        skeleton.positions, j.triples, trial.auxiliary, places, j.signs, rest_twist, rest_twist
     )
     torsion = rest_twist.copy()
     for index in range(len(scene.geometry.rods)):
@@ -61,6 +61,7 @@ def framed_bending(
             "sign_f": j.signs[:, 1],
             "cos_psi": np.cos(rest_twist),
             "sin_psi": np.sin(rest_twist),
+            "psi": rest_twist,
         },
         np.column_stack((places, frames.twist_places(np.arange(len(j.pairs))))),
     )

@@ -123,8 +123,9 @@ def _curvatures(structure: Structure, rods: RodEnergies) -> Curvatures:
             rods.bending_stiffness,
             bending.name,
             rods.directors,
+            structure.dofs.of_angles(structure.skeleton.joints.pairs),
             structure.skeleton.joints.signs,
-            np.arctan2(bending.parameter("sin_psi"), bending.parameter("cos_psi")),
+            bending.parameter("psi"),
         )
     normal = np.array(PLANAR_AXIS[structure.plan.axes]) if structure.plan.bending is Bending.PLANAR else None
     return BinormalCurvatures(triples, bending.parameter("EI"), bending.name, normal)

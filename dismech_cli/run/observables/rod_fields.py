@@ -134,6 +134,7 @@ class MaterialCurvatures:
         stiffness: EI_1 and EI_2 [N m^2], shape (2, J).
         energy: Name of the bending energy; its first natural strains are the curvatures.
         places: Of the directors in the auxiliary array.
+        angles: Angle DOFs of the edges at the joints, shape (J, 2).
         signs: Of the edges at the joints, shape (J, 2).
         rest_twist: At the joints [rad], shape (J,).
     """
@@ -142,13 +143,20 @@ class MaterialCurvatures:
     stiffness: FloatArray
     energy: str
     places: IntArray
+    angles: IntArray
     signs: FloatArray
     rest_twist: FloatArray
 
     def __call__(self, s: Snapshot) -> FloatArray:
         """Values (2, J)."""
         kappa = material_curvatures(
-            s.positions, self.triples, s.frames.auxiliary, self.places, self.signs, self.rest_twist
+            s.positions,
+            self.triples,
+            s.frames.auxiliary,
+            self.places,
+            self.signs,
+            joint_twist(s, self.angles, self.signs),
+            self.rest_twist,
         )
         return self.stiffness * (kappa - s.natural(self.energy)[:2])
 
@@ -166,8 +174,7 @@ class TwistField:
 
     def __call__(self, s: Snapshot) -> FloatArray:
         """Values (N,)."""
-        theta = s.state.q[self.angles] * self.signs
-        tau = (theta[:, 1] - theta[:, 0] + s.state.frames.reference_twist) / self.voronoi
+        tau = joint_twist(s, self.angles, self.signs) / self.voronoi
         out = np.zeros(len(s.positions))
         np.add.at(out, self.centres, tau)
         count = np.bincount(self.centres, minlength=len(out))
@@ -226,6 +233,13 @@ class DirectorField:
     def __call__(self, s: Snapshot) -> FloatArray:
         """Values (E, 3)."""
         return s.frames.auxiliary[self.places]
+
+
+def joint_twist(s: Snapshot, angles: IntArray, signs: FloatArray) -> FloatArray:
+    """Twist of the directors across each joint [rad], shape (J,)."""
+    theta = s.state.q[angles] * signs
+    twist: FloatArray = theta[:, 1] - theta[:, 0] + s.state.frames.reference_twist
+    return twist
 
 
 def _largest_at(nodes: IntArray, values: FloatArray, count: int) -> FloatArray:
