@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import isfinite
+from math import inf, isfinite
 
 import numpy as np
 
@@ -23,15 +23,20 @@ def search(problem: StageProblem, guess: FloatArray) -> NewtonResult:
     """Solve one stage from ``guess`` (prescribed values already in place)."""
     q, free = guess.copy(), problem.free
     now = problem.linearize(q)
-    floor = problem.system.round_off(now.values, q)
-    shift = 0.0
+    floor = inf
+    shift, settled, moves = 0.0, False, 0
     while True:
+        floor = min(floor, problem.system.round_off(now.values, q))
         gradient = now.residual[free]
         size = problem.size(gradient)
         if not isfinite(floor + sum(size)):
             return failed(problem, q, now, Status.NOT_FINITE)
-        if problem.small(size, now, floor):
+        # As for full steps: a guess whose forces rounding may explain is no balance before a step says so.
+        at_floor = problem.small(size, now, floor)
+        met = moves > 0 and problem.small(size, now, 0.0)
+        if sum(size) == 0.0 or (at_floor and (settled or met)):
             return done(problem, q, now)
+        settled = at_floor
         try:
             step, shift = _descent(problem, q, now, gradient, shift)
         except ExhaustedError:
@@ -46,6 +51,7 @@ def search(problem: StageProblem, guess: FloatArray) -> NewtonResult:
         if length == 0.0:
             return failed(problem, q, now, Status.LINE_SEARCH_FAILED)
         q[free] += length * step
+        moves += 1
         now = problem.linearize(q)
 
 

@@ -8,7 +8,7 @@ and above the round-off of positions.
 from __future__ import annotations
 
 from dataclasses import replace
-from math import isfinite
+from math import inf, isfinite
 
 import numpy as np
 
@@ -39,11 +39,11 @@ def solve_stage(problem: StageProblem, guess: FloatArray) -> NewtonResult:
 
 def _full_steps(problem: StageProblem, guess: FloatArray) -> NewtonResult:
     q, free = guess.copy(), problem.free
-    floor, settled = 0.0, False
+    floor, settled = inf, False
     for iterations in range(_FULL_STEPS + 1):
         now = problem.linearize(q)
-        if iterations == 0:
-            floor = problem.system.round_off(now.values, q)
+        # the least of all iterates: where a guess crushes an edge, its stiffness would excuse any residual
+        floor = min(floor, problem.system.round_off(now.values, q))
         rhs = -now.residual[free]
         size = problem.size(rhs)
         if not isfinite(floor + sum(size)):
