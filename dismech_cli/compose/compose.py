@@ -21,7 +21,7 @@ from .observables.fields import make_fields, make_topology
 from .observables.labels import node_labels
 from .observables.probes import make_probes, make_watched
 from .scene import Scene, make_scene
-from .structure.holds import resolve_holds
+from .structure.holds import drives, resolve_holds
 from .structure.masses import mass_matrix
 from .structure.plan import Plan, make_plan
 from .structure.prescribed import build_motions
@@ -70,7 +70,7 @@ def compose(
         model=_model(scene, structure, (*elastic.terms, *forces.all)),
         roles=roles,
         integrator=build_integrator(numerics.integrator),
-        newton=build_newton(numerics.newton),
+        newton=build_newton(numerics, driven=any(map(drives, holds))),
         linear_solver=numerics.linear_solver,
         control=control,
         frame_every=every,

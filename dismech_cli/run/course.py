@@ -122,7 +122,8 @@ class Course:
         """
         target, tick = self.control.target, time.perf_counter()
         self._prepare()
-        result = self.stepper.step(self.state, target - self.state.t)
+        step = self.stepper.step if self.control.exhausted else self.stepper.attempt
+        result = step(self.state, target - self.state.t)
         self.stopwatch.book("solve", tick)
         self.counters.iterations += result.iterations
         if result.state.t == target or result.status is not Status.CONVERGED:

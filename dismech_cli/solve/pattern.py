@@ -123,6 +123,14 @@ class SparsityPattern:
         """Matrix of the stored entries; a view of ``values`` without the spare slot."""
         return csr_matrix((values[: self.nnz], self.indices, self.indptr), shape=(self.m, self.m))
 
+    def product(self, values: FloatArray, x: FloatArray) -> FloatArray:
+        """The matrix of these values times x, shape (m,)."""
+        matrix = self.csr(values)
+        y: FloatArray = matrix @ x
+        if self.symmetric:
+            y += matrix.T @ x - values[self.diagonal] * x
+        return y
+
     def holds(self, entries: IntArray) -> bool:
         """Whether every one of some entries, given by their keys, is stored."""
         return bool((np.append(self.keys, -1)[np.searchsorted(self.keys, entries)] == entries).all())

@@ -61,11 +61,13 @@ class NewtonSettings:
     Attributes:
         tolerance: Residual relative to the largest force in the model [1].
         max_iterations: Factorisations before giving up, of full steps and line search together.
+        patience: Factorisations before a stage that need not be solved now is given up.
         factorize: Chooses the tangent, an entry of ``TANGENTS``.
     """
 
     tolerance: float = 1e-8
     max_iterations: int = 100
+    patience: int = 100
     factorize: Factorize = exact
 
 

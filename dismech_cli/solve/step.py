@@ -7,13 +7,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
-from ..kinematics.motion import held_dofs, held_span, prescribe
+from ..kinematics.motion import held_dofs, held_span
 from ..model.model import Model
 from ..model.state import State
 from .integrators import Integrator, Stage, at_state, mean_acceleration
 from .linear.stability import CountNegative, negative_eigenvalues_on
 from .newton import solve_stage
 from .pattern import SparsityPattern
+from .predictor import Predictor
 from .problem import NewtonSettings, StageProblem
 from .status import Status
 from .system import System
@@ -74,7 +75,9 @@ class Stepper:
         self.model = model
         self.integrator = integrator
         self._settings = settings
+        self._hasty = replace(settings, max_iterations=min(settings.patience, settings.max_iterations))
         self._wanted = solver
+        self._predictor = Predictor(model)
         self._massless = (model.mass == 0.0) & model.mass.any()
         self._analyses = 0
         self._count_negative: tuple[SparsityPattern, CountNegative] | None = None
@@ -112,14 +115,24 @@ class Stepper:
 
     def step(self, start: State, dt: float) -> StepResult:
         """Advance ``start`` (already prepared) by ``dt``."""
+        return self._step(start, dt, self._settings)
+
+    def attempt(self, start: State, dt: float) -> StepResult:
+        """The same, but give up soon: slow convergence is how a wrong root announces itself."""
+        return self._step(start, dt, self._hasty)
+
+    def _step(self, start: State, dt: float, settings: NewtonSettings) -> StepResult:
         latest, iterations = start, 0
         self.system.start_step()
         for index in range(self.integrator.stages):
             stage = self.integrator.stage(index, start, latest, dt)
-            guess = stage.predictor.copy()
-            prescribe(self.model.motions, guess, stage.t_end)
-            result = solve_stage(StageProblem(self.system, stage, latest.frames, self._settings), guess)
-            iterations += result.iterations
+            ahead = StageProblem(self.system, stage, latest.frames, settings)
+            for guess in self._predictor.guesses(ahead):
+                result = solve_stage(StageProblem(self.system, stage, latest.frames, settings), guess)
+                iterations += result.iterations
+                if result.status is Status.CONVERGED:
+                    break
+            iterations += ahead.spent
             if result.status is not Status.CONVERGED:
                 return StepResult(
                     start, result.status, iterations, result.residual_norm, result.residual, result.worst

@@ -80,7 +80,7 @@ def test_explain_says_who_set_what(call, swing):
     assert lines["materials.silicone.youngs_modulus"].endswith("swing.yaml:5:30")
     assert lines["numerics.dt"].split()[1:3] == ["0.001", "s"]
     assert "--set 'numerics.dt=1 ms'" in lines["numerics.dt"]
-    assert lines["numerics.newton.tolerance"].split()[1:] == ["1e-08", "default"]
+    assert lines["numerics.newton.max_iterations"].split()[1:] == ["100", "default"]
 
 
 def test_explain_one_key_and_what_is_below(call, swing):

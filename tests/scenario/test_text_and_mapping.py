@@ -106,7 +106,7 @@ def test_places_and_origins_of_a_mapping(deck):
     loaded = load_mapping(deck, overrides=["numerics.dt=1 ms"])
     assert loaded.provenance["geometry[0].radius"].origin == "<mapping>"
     assert loaded.provenance["numerics.dt"].origin == "--set 'numerics.dt=1 ms'"
-    assert loaded.provenance["numerics.newton.tolerance"].origin == "default"
+    assert loaded.provenance["numerics.newton.max_iterations"].origin == "default"
     error = loaded.error("geometry[0].radius", "too thin")
     assert str(error) == "<mapping>: geometry[0].radius: too thin"
 

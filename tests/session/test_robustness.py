@@ -276,7 +276,8 @@ def test_another_scenario_is_refused_with_the_difference(nursery, swing):
 
 
 def test_a_failing_solver_ends_with_3_and_can_be_resumed(nursery, swing):
-    hopeless = ("--set", "numerics.newton.max_iterations=1", "--set", "numerics.step.max_cuts=2")
+    wishes = ("newton.max_iterations=1", "newton.tolerance=1e-12", "step.max_cuts=2")
+    hopeless = [part for wish in wishes for part in ("--set", f"numerics.{wish}")]
     done = nursery.call(swing, "run", "swing.yaml", "-o", "run", *hopeless)
     assert done.code == 3, done.stderr
     for text in ("the solver gave up at t =", "last steps", "advice:", "resume with: dismech resume run"):

@@ -32,7 +32,7 @@ from dismech_cli.solve.linear.pardiso import pardiso_available
 __all__ = ["call", "swing"]
 
 SHORT = ("numerics.t_end=0.02",)
-HOPELESS = ("numerics.newton.max_iterations=1", "numerics.step.max_cuts=2")
+HOPELESS = ("numerics.newton.max_iterations=1", "numerics.newton.tolerance=1e-12", "numerics.step.max_cuts=2")
 
 
 class Heard(Silent):

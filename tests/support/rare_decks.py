@@ -22,6 +22,7 @@ from dismech_cli.run.observables.reduce import reduce_series
 from dismech_cli.scenario.load import LoadedScenario
 from dismech_cli.sections.shells import hinge_stiffness
 from dismech_cli.session.report import Report
+from dismech_cli.solve.tangents import TANGENTS
 
 Choice = tuple[str, str]
 SHORT: Deck = {"integrator": {"type": "implicit_euler"}, "dt": 0.01, "t_end": 0.02}
@@ -241,6 +242,31 @@ def solved_by(name: str) -> Rare:
     )
 
 
+def unprojected() -> Rare:
+    """Statics driven straight into an unstable balance, as asked."""
+
+    def steps_with(made: Composition) -> None:
+        assert made.simulation.newton.factorize is TANGENTS["none"]
+
+    def stays_straight(loaded: LoadedScenario, result: Report) -> None:
+        assert_allclose(result.frames[-1].positions[:, 2], 0.0, atol=1e-12)
+
+    pushed = {"type": "pin", "where": "rod.end", "displacement": [-0.1, 0.0, 0.0]}
+    return Rare(
+        rod_deck(
+            line(11),
+            motions=[{"type": "pin", "where": "rod.start"}, pushed],
+            numerics={
+                "integrator": {"type": "static", "load_steps": 2},
+                "newton": {"projection": "none"},
+            },
+        ),
+        steps_with,
+        choices=frozenset({("projection", "none")}),
+        steps=stays_straight,
+    )
+
+
 def run_by(name: str, driver: type) -> Rare:
     def drives(made: Composition) -> None:
         assert made.plan.kernels == name
@@ -321,6 +347,7 @@ RARE: dict[str, Rare] = {
     **LAWS,
     **BODIES,
     **{name: solved_by(name) for name in ("banded", "dense", "pardiso", "superlu")},
+    "projection none": unprojected(),
     "numpy": run_by("numpy", NumpyDriver),
     "numba": run_by("numba", NumbaDriver),
     **{f"profile {name}": under(name) for name in ("draft", "normal", "accurate")},

@@ -68,6 +68,11 @@ def resolve_holds(scene: Scene) -> tuple[Hold, ...]:
     return tuple(_hold(scene, index, motion) for index, motion in enumerate(scene.scenario.motions))
 
 
+def drives(hold: Hold) -> bool:
+    """Whether a hold moves or turns what it holds."""
+    return not all(vanishes(law) for law in (*hold.displacement, hold.twist))
+
+
 def twists(hold: Hold) -> bool:
     """Whether a hold turns edges."""
     return not vanishes(hold.twist)

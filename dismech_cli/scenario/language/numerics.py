@@ -61,19 +61,22 @@ Integrator: TypeAlias = Annotated[
 class Newton(Spec):
     """The nonlinear solver."""
 
-    tolerance: Annotated[float, Quantity("ratio", gt=0, lt=1)] = Field(
-        default=1e-8, description="Relative size of the residual at which it stops."
+    tolerance: Annotated[float, Quantity("ratio", gt=0, lt=1)] | None = Field(
+        default=None,
+        description="Relative size of the residual at which it stops; 1e-8 in statics, else 1e-5, which is "
+        "far below the error of a time step.",
     )
     max_iterations: Annotated[int, Field(ge=1, le=10_000)] = Field(
         default=100,
         description="Factorisations before a step counts as failed. At most 20 iterations take full steps; "
         "what is left goes to a line search down the energy from the start of the step.",
     )
-    projection: Literal["none", "indefinite"] = Field(
-        default="none",
+    projection: Literal["none", "indefinite"] | None = Field(
+        default=None,
         description="What Newton does where the tangent has negative eigenvalues: `none` steps with it and "
         "may settle on an unstable balance; `indefinite` first clamps those of each stencil, so that statics "
-        "go past buckling to a stable shape. Worth it there; elsewhere it changes nothing.",
+        "go past buckling to a stable shape. By default `indefinite` where statics are driven by motions, "
+        "else `none`.",
     )
 
 
@@ -83,14 +86,17 @@ class Step(Spec):
     max_cuts: Annotated[int, Field(ge=0, le=60)] = Field(
         default=10, description="How often dt may be halved before giving up."
     )
+    patience: Annotated[int, Field(ge=1, le=10_000)] = Field(
+        default=10,
+        description="Newton iterations per stage of a dynamic step after which dt is halved instead of going "
+        "on, as long as it may be: slow convergence is how a wrong root announces itself.",
+    )
 
 
 class Numerics(Spec):
     """How the equations are stepped and solved."""
 
-    integrator: Integrator = Field(
-        default=GeneralizedAlpha(type="generalized_alpha"), description="Time integrator."
-    )
+    integrator: Integrator = Field(default=TrBdf2(type="tr_bdf2"), description="Time integrator.")
     dt: PositiveTime | None = Field(default=None, description="Time step; required unless static.")
     t_end: PositiveTime | None = Field(default=None, description="End of the run; required unless static.")
     newton: Newton = Field(default=Newton(), description="Nonlinear solver.")
