@@ -131,3 +131,19 @@ def test_refused(refused: Any, keys: Deck, message: str) -> None:
     deck = shell_deck() | keys
     deck["geometry"] = [*deck["geometry"], rod([0.0, 0.0, 1.0], [0.0, 0.0, 0.5])]
     assert message in refused(deck)
+
+
+@pytest.mark.parametrize(("twist", "bending_2", "told"), [(60.0, 2.0, 1), (60.0, 1.0, 0), (8.0, 2.0, 0)])
+def test_a_mesh_must_follow_the_axes_of_a_twisted_section(
+    made: Any, twist: float, bending_2: float, told: int
+) -> None:
+    deck = rod_deck(
+        line(21), given_section(bending_2=bending_2), dimension=3, rod={"natural": {"twist": twist}}
+    )
+    found = warnings(made, deck)
+    assert len(found) == told
+    assert all(
+        "geometry[0].natural.twist: turns the section of 'rod', which is not round, by 3 rad" in w
+        for w in found
+    )
+    assert all("take about 121 nodes" in w for w in found)
