@@ -63,6 +63,12 @@ def describe_runaway(simulation: Simulation, t: float, dt: float, energies: Mapp
     )
 
 
+UNSTABLE = (
+    "the last equilibrium is unstable: the least disturbance makes the robot buckle or snap away from it; "
+    "--set numerics.newton.projection=indefinite goes on to a stable one, and a small force aside says which"
+)
+
+
 def describe_growth(simulation: Simulation, error: float, share: float) -> str:
     """What to say when a run ends with some energy that nothing gave it."""
     return (

@@ -14,7 +14,7 @@ from ..model.saved import Arrays, Numbers
 from ..model.state import State
 from ..solve.status import Status
 from .course import Course
-from .failure import Attempt, describe_failure, describe_growth, describe_runaway
+from .failure import UNSTABLE, Attempt, describe_failure, describe_growth, describe_runaway
 from .interrupt import StopRequest
 from .simulation import Simulation
 from .sink import Sink
@@ -141,7 +141,10 @@ def _why_pause(course: Course, limits: Limits, stop: StopRequest) -> str:
 
 
 def _doubts(course: Course) -> tuple[str, ...]:
-    """Energy from nowhere at the end, more than an integrator may round."""
+    """Energy from nowhere at the end, more than an integrator may round; statics that would buckle."""
+    model = course.simulation.model
+    if not model.mass.any():
+        return (UNSTABLE,) if course.stepper.unstable(course.state) else ()
     entries = course.account.measure(course.state)
     share = course.account.growth(entries)
     return (describe_growth(course.simulation, entries["error"], share),) if share > _GROWTH else ()

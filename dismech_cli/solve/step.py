@@ -11,6 +11,7 @@ from ..kinematics.motion import held_dofs, held_span
 from ..model.model import Model
 from ..model.state import State
 from .integrators import Integrator, Stage, at_state, mean_acceleration
+from .linear.factors import FactorizationError
 from .linear.stability import CountNegative, negative_eigenvalues_on
 from .newton import solve_stage
 from .pattern import SparsityPattern
@@ -145,15 +146,25 @@ class Stepper:
         result.residual[held] += inertia
         return StepResult(latest, Status.CONVERGED, iterations, result.residual_norm, result.residual, -1)
 
+    def unstable(self, state: State) -> bool:
+        """Whether the stiffness matrix at a static state is known to have a negative eigenvalue."""
+        try:
+            return self.system.solver.factorize(self._stiffness(state)).indefinite
+        except FactorizationError:  # a mechanism, which has its own messages
+            return False
+
     def negative_eigenvalues(self, state: State) -> int:
         """Negative eigenvalues of the stiffness matrix at a static state."""
-        stage = self.integrator.stage(0, state, state, 0.0)
-        values = self.system.linearize(stage, state.q, state.frames).values
+        values = self._stiffness(state)
         pattern = self.system.pattern
         # few scenes ask, and MKL takes long to load
         if self._count_negative is None or self._count_negative[0] is not pattern:
             self._count_negative = pattern, negative_eigenvalues_on(pattern)
         return self._count_negative[1](values)
+
+    def _stiffness(self, state: State) -> FloatArray:
+        stage = self.integrator.stage(0, state, state, 0.0)
+        return self.system.linearize(stage, state.q, state.frames).values
 
     def _bound(self, t: float) -> _Binding:
         motions = self.model.motions
