@@ -19,7 +19,7 @@ from dismech_cli.compose.loads.table import BUILDERS
 from dismech_cli.compose.numerics import DRIVERS, build_integrator
 from dismech_cli.compose.observables.fields import FIELDS
 from dismech_cli.compose.shells.bending import HINGES, SHELL_BENDING
-from dismech_cli.compose.shells.membrane import MEMBRANES
+from dismech_cli.compose.shells.membrane import MEMBRANES, TRIANGLES
 from dismech_cli.output.writers import WRITERS
 from dismech_cli.run.loop import End
 from dismech_cli.run.observables.reduce import REDUCTIONS
@@ -28,6 +28,7 @@ from dismech_cli.scenario.language import numerics
 from dismech_cli.scenario.language.expect import Reduction
 from dismech_cli.scenario.language.force import Force, Load
 from dismech_cli.scenario.language.geometry import Shell
+from dismech_cli.scenario.language.material import Material
 from dismech_cli.scenario.language.output import FieldName, WriterName
 from dismech_cli.scenario.language.scenario import Scenario
 from dismech_cli.scenario.language.surface import Surface
@@ -189,6 +190,7 @@ REGISTRIES = {
     "shell bending": (SHELL_BENDING, choices(Shell, "bending")),
     "hinges": (HINGES, choices(Shell, "hinges")),
     "membranes": (MEMBRANES, choices(Shell, "membrane")),
+    "materials of triangles": (TRIANGLES, choices(Material, "model")),
     "writers": (WRITERS, set(get_args(WriterName))),
     "fields": (FIELDS, set(get_args(FieldName)) - {"positions"}),
     "linear solvers": (LINEAR_SOLVERS, choices(numerics.Numerics, "linear_solver")),

@@ -13,14 +13,14 @@ from __future__ import annotations
 from typing import Any
 
 from ..arrays import FloatArray, IntArray
-from ..geometry.blocks import add_diagonal, add_symmetric, outer_pair, pack_two
 from ..geometry.kernel import kernel
-from ..geometry.vectors import add_identity, combine, dot, scale, sym_outer
+from ..geometry.vectors import dot
 from ..kernels.shape import Kernel
 from ..kinematics.dofs import DofMap
 from ..kinematics.strains import rest_metric
 from ..model.stencil import StencilEnergy
 from ..sections.shells import plane_stress_stiffness
+from .metric import by_edges
 
 
 @kernel
@@ -37,14 +37,9 @@ def membrane(y: Any, a: Any, p: Any) -> Any:
     s0 = c00 * e0 + c01 * e1 + c02 * e2
     s1 = c01 * e0 + c11 * e1 + c12 * e2
     s2 = c02 * e0 + c12 * e1 + c22 * e2
-    g, h = combine(s0, u, s2, v), combine(s1, v, s2, u)
-    # slopes of the stresses: ds0 = c00 u.da + c02 (v.da + u.db) + c01 v.db, ds1 and ds2 alike
-    first = add_symmetric(sym_outer(u, combine(0.5 * c00, u, c02, v)), sym_outer(v, scale(0.5 * c22, v)))
-    second = add_symmetric(sym_outer(v, combine(0.5 * c11, v, c12, u)), sym_outer(u, scale(0.5 * c22, u)))
-    mixed = outer_pair(u, combine(c02, u, c01, v), v, combine(c22, u, c12, v))
-    hessian = pack_two(add_identity(s0, first), add_diagonal(s2, mixed), add_identity(s1, second))
     energy = 0.5 * (s0 * e0 + s1 * e1 + s2 * e2)
-    return energy, (g[0], g[1], g[2], h[0], h[1], h[2]), hessian
+    gradient, hessian = by_edges(u, v, (s0, s1, s2), (c00, c01, c02, c11, c12, c22))
+    return energy, gradient, hessian
 
 
 _METRIC = ("A11", "A22", "A12")

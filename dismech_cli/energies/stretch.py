@@ -16,10 +16,28 @@ from ..kernels.shape import Kernel
 
 
 @kernel
-def _axial(length: Any, natural: Any, stiffness: Any, rest: Any) -> Any:
+def axial(length: Any, natural: Any, stiffness: Any, rest: Any) -> Any:
     """Return energy [J], tension N [N] and dN/d|e| [N/m]."""
     strain = length / rest - 1.0 - natural
     return 0.5 * stiffness * rest * strain * strain, stiffness * strain, stiffness / rest
+
+
+@kernel
+def along(e: Any, length: Any, tension: Any, slope: Any) -> Any:
+    """Gradient and packed Hessian to the edge vector e, in space, of an energy of its length."""
+    t = scale(1.0 / length, e)
+    geometric = tension / length
+    hessian = add_identity(geometric, scale_symmetric(slope - geometric, self_outer(t)))
+    return scale(tension, t), hessian
+
+
+@kernel
+def along_planar(x: Any, y: Any, length: Any, tension: Any, slope: Any) -> Any:
+    """The same in the plane, of the edge vector (x, y)."""
+    tx, ty = x / length, y / length
+    geometric = tension / length
+    w = slope - geometric
+    return (tension * tx, tension * ty), (w * tx * tx + geometric, w * tx * ty, w * ty * ty + geometric)
 
 
 @kernel
@@ -27,26 +45,18 @@ def stretch(y: Any, a: Any, p: Any) -> Any:
     """Energy, gradient and packed Hessian with respect to the edge vector, in space."""
     e = y[0:3]
     length = norm(e)
-    t = scale(1.0 / length, e)
-    energy, tension, slope = _axial(length, p[0], p[1], p[2])
-    geometric = tension / length
-    hessian = add_identity(geometric, scale_symmetric(slope - geometric, self_outer(t)))
-    return energy, scale(tension, t), hessian
+    energy, tension, slope = axial(length, p[0], p[1], p[2])
+    gradient, hessian = along(e, length, tension, slope)
+    return energy, gradient, hessian
 
 
 @kernel
 def stretch_planar(y: Any, a: Any, p: Any) -> Any:
     """Energy, gradient and packed Hessian with respect to the edge vector, in the plane."""
     length = np.sqrt(y[0] * y[0] + y[1] * y[1])
-    tx, ty = y[0] / length, y[1] / length
-    energy, tension, slope = _axial(length, p[0], p[1], p[2])
-    geometric = tension / length
-    w = slope - geometric
-    return (
-        energy,
-        (tension * tx, tension * ty),
-        (w * tx * tx + geometric, w * tx * ty, w * ty * ty + geometric),
-    )
+    energy, tension, slope = axial(length, p[0], p[1], p[2])
+    gradient, hessian = along_planar(y[0], y[1], length, tension, slope)
+    return energy, gradient, hessian
 
 
 STRETCH = Kernel(

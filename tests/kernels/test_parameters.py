@@ -16,7 +16,9 @@ from shell_cases import shell
 
 from dismech_cli import energies, forces
 from dismech_cli.arrays import FloatArray
+from dismech_cli.energies.membrane_neo_hookean import MEMBRANE_NEO_HOOKEAN
 from dismech_cli.energies.stretch import STRETCH
+from dismech_cli.energies.stretch_neo_hookean import STRETCH_NEO_HOOKEAN, STRETCH_NEO_HOOKEAN_PLANAR
 from dismech_cli.kernels.shape import DragKernel, Kernel, LoadKernel, Parameters
 from dismech_cli.mesh.generate.rings import hemisphere
 from dismech_cli.model.drag import DragForce
@@ -40,10 +42,29 @@ def cases() -> dict[str, TermCase]:
         made = shell(hemisphere(1.0, 2), bending)
         out[bending] = TermCase(made.term("bend"), made.model)
     out["membrane"] = TermCase(made.term("membrane"), made.model)
+    rubber = {name: made.term("membrane").parameter(name) for name in ("growth", "A11", "A22", "A12")}
+    out["membrane_neo_hookean"] = _like(out["membrane"], MEMBRANE_NEO_HOOKEAN, rubber | {"muV": 0.7})
+    for name, kernel in (
+        ("stretch", STRETCH_NEO_HOOKEAN),
+        ("stretch_planar", STRETCH_NEO_HOOKEAN_PLANAR),
+    ):
+        values = {"eps": 0.0, "length": _energy(out[name]).parameter("length"), "EA": 1.3, "muA": 0.7}
+        out[f"{name}_neo_hookean"] = _like(out[name], kernel, values)
     joined = hybrid(True)
     out["rod_on_face"] = TermCase(joined.on, joined.model)
     out["rod_beside_face"] = TermCase(joined.beside, joined.model)
     return out
+
+
+def _like(case: TermCase, kernel: Kernel, values: dict[str, FloatArray | float]) -> TermCase:
+    """The stencils of another kernel."""
+    term = StencilEnergy.of("rubber", kernel, _energy(case).dofs, values)
+    return TermCase(term, case.model)
+
+
+def _energy(case: TermCase) -> StencilEnergy:
+    assert isinstance(case.term, StencilEnergy)
+    return case.term
 
 
 CASES = cases()

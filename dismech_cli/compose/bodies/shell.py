@@ -38,12 +38,14 @@ class ShellProperties:
         poisson_ratio: nu [1].
         thickness: h [m].
         mass_per_area: rho h [kg/m^2].
+        model: How its material stretches.
     """
 
     youngs_modulus: float
     poisson_ratio: float
     thickness: float
     mass_per_area: float
+    model: str
 
 
 def shell_properties(shell: Shell, material: Material) -> ShellProperties:
@@ -53,6 +55,7 @@ def shell_properties(shell: Shell, material: Material) -> ShellProperties:
         material.poisson_ratio,
         shell.thickness,
         material.density * shell.thickness,
+        material.model,
     )
 
 

@@ -2,15 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
-from ...arrays import FloatArray, IntArray
+from ...arrays import BoolArray, FloatArray, IntArray
 from ...energies.bend_isotropic import BEND_ISOTROPIC
-from ...energies.stretch import STRETCH, STRETCH_PLANAR
+from ...energies.stretch import STRETCH, STRETCH_PLANAR, axial
+from ...energies.stretch_neo_hookean import (
+    STRETCH_NEO_HOOKEAN,
+    STRETCH_NEO_HOOKEAN_PLANAR,
+    axial_neo_hookean,
+)
+from ...kernels.shape import Kernel
 from ...model.stencil import StencilEnergy
-from ..bodies.geometry import Geometry
 from ..scene import Scene
 from ..structure.plan import Bending
 from ..structure.structure import Structure
@@ -37,6 +44,8 @@ class RodEnergies:
 
     Attributes:
         stretch: Stretching energy of the geometry's edges, or None without rods.
+        axial: Energy, tension and slope of an edge by its length, its natural strain and the
+            constants of ``stretch``.
         bending: Bending energy of the joints, with that of twisting where rods are framed; None
             without joints.
         bending_stiffness: EI1 and EI2 of each joint [N m^2], shape (2, J).
@@ -46,6 +55,7 @@ class RodEnergies:
     """
 
     stretch: StencilEnergy | None = None
+    axial: Callable[..., Any] = axial
     bending: StencilEnergy | None = None
     bending_stiffness: FloatArray = field(default_factory=_no_stiffness)
     in_plane: IntArray = field(default_factory=_no_rods)
@@ -64,10 +74,11 @@ def rod_energies(scene: Scene, structure: Structure) -> RodEnergies:
     joints, geometry = structure.skeleton.joints, scene.geometry
     names = ("bending_1", "bending_2")
     stiffness = np.stack([in_series(geometry, structure.skeleton, name) for name in names])
-    stretch = _stretch(geometry, structure)
+    law = STRETCHES[bool(_rubber(scene).any())]
+    stretch = _stretch(scene, structure, law)
     inside = in_plane(scene, structure) if bending is Bending.PLANAR else _no_rods()
     if len(joints.triples) == 0:
-        return RodEnergies(stretch=stretch, bending_stiffness=stiffness, in_plane=inside)
+        return RodEnergies(stretch=stretch, axial=law.axial, bending_stiffness=stiffness, in_plane=inside)
     places = _no_places()
     if bending is Bending.FRAMED:
         energy, places = framed_bending(scene, structure, stiffness)
@@ -76,23 +87,66 @@ def rod_energies(scene: Scene, structure: Structure) -> RodEnergies:
     else:
         energy = _isotropic(structure, stiffness)
     return RodEnergies(
-        stretch=stretch, bending=energy, bending_stiffness=stiffness, in_plane=inside, directors=places
+        stretch=stretch,
+        axial=law.axial,
+        bending=energy,
+        bending_stiffness=stiffness,
+        in_plane=inside,
+        directors=places,
     )
 
 
-def _stretch(geometry: Geometry, structure: Structure) -> StencilEnergy:
+@dataclass(frozen=True, slots=True)
+class Stretching:
+    """How the edges of a scene stretch.
+
+    Attributes:
+        kernels: By the dimension of the scene.
+        axial: What the kernels follow along an edge.
+        constants: Names and values of their stiffnesses: from EA of all edges [N], and a mask of those
+            of rubber.
+    """
+
+    kernels: Mapping[int, Kernel]
+    axial: Callable[..., Any]
+    constants: Callable[[FloatArray, BoolArray], dict[str, FloatArray]]
+
+
+# Whether any rod is of rubber: its kernel takes in the linear rods beside it.
+STRETCHES: Mapping[bool, Stretching] = {
+    False: Stretching({2: STRETCH_PLANAR, 3: STRETCH}, axial, lambda stiffness, rubber: {"EA": stiffness}),
+    True: Stretching(
+        {2: STRETCH_NEO_HOOKEAN_PLANAR, 3: STRETCH_NEO_HOOKEAN},
+        axial_neo_hookean,
+        lambda stiffness, rubber: {
+            "EA": np.where(rubber, 0.0, stiffness),
+            "muA": np.where(rubber, stiffness / 3.0, 0.0),
+        },
+    ),
+}
+
+
+def _rubber(scene: Scene) -> BoolArray:
+    """Which edges of rods are of rubber, shape (E,)."""
+    geometry, materials = scene.geometry, scene.scenario.materials
+    of_rod = np.array([materials[rod.material].model == "neo_hookean" for rod in geometry.rods], dtype=bool)
+    return of_rod[geometry.edge_rod]
+
+
+def _stretch(scene: Scene, structure: Structure, law: Stretching) -> StencilEnergy:
+    geometry = scene.geometry
     edges = geometry.edges
     natural = np.zeros(len(edges))
     for rod in geometry.rods:
         if rod.natural.stretch is not None:
             natural[geometry.rod_edges[rod.name]] = rod.natural.stretch
     rest = structure.skeleton.rest_lengths[: len(edges)]
-    kernel = STRETCH_PLANAR if structure.dofs.dimension == 2 else STRETCH
+    constants = law.constants(geometry.per_edge("axial"), _rubber(scene))
     return StencilEnergy.of(
         "stretch",
-        kernel,
+        law.kernels[structure.dofs.dimension],
         node_dofs(structure.dofs, edges),
-        {"eps": natural, "EA": geometry.per_edge("axial"), "length": rest},
+        {"eps": natural, "length": rest} | constants,
     )
 
 

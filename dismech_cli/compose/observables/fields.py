@@ -103,8 +103,8 @@ def _axial_strain(scene: Scene, structure: Structure, rods: RodEnergies) -> Fiel
 
 def _axial_force(scene: Scene, structure: Structure, rods: RodEnergies) -> Field:
     assert rods.stretch is not None
-    rest, stiffness = rods.stretch.parameter("length"), rods.stretch.parameter("EA")
-    return AxialForceField(scene.geometry.edges, rest, stiffness, rods.stretch.name)
+    constants = rods.stretch.parameters[len(rods.stretch.kernel.naturals) :]
+    return AxialForceField(scene.geometry.edges, rods.axial, constants, rods.stretch.name)
 
 
 def _bending_moment(scene: Scene, structure: Structure, rods: RodEnergies) -> Field:

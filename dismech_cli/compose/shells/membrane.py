@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from ...energies.membrane import membrane_term
+from ...energies.membrane_neo_hookean import neo_hookean_term
 from ...energies.membrane_springs import spring_term
 from ...mesh.measure import edge_lengths
 from ...model.stencil import StencilEnergy
@@ -18,6 +19,10 @@ def _name(body: ShellBody) -> str:
 
 
 def _triangles(body: ShellBody, ground: Ground) -> StencilEnergy:
+    return TRIANGLES[body.sheet.model](body, ground)
+
+
+def _linear(body: ShellBody, ground: Ground) -> StencilEnergy:
     return membrane_term(
         _name(body),
         ground.dofs,
@@ -25,6 +30,17 @@ def _triangles(body: ShellBody, ground: Ground) -> StencilEnergy:
         body.triangles,
         youngs_modulus=body.sheet.youngs_modulus,
         poisson_ratio=body.sheet.poisson_ratio,
+        thickness=body.sheet.thickness,
+    )
+
+
+def _rubber(body: ShellBody, ground: Ground) -> StencilEnergy:
+    return neo_hookean_term(
+        _name(body),
+        ground.dofs,
+        ground.positions,
+        body.triangles,
+        shear_modulus=body.sheet.youngs_modulus / 3.0,
         thickness=body.sheet.thickness,
     )
 
@@ -48,3 +64,9 @@ MEMBRANES: Mapping[str, Callable[[ShellBody, Ground], StencilEnergy]] = {
     "family": _family,
 }
 """Stretching energy of a shell, stress-free in its rest shape."""
+
+TRIANGLES: Mapping[str, Callable[[ShellBody, Ground], StencilEnergy]] = {
+    "st_venant_kirchhoff": _linear,
+    "neo_hookean": _rubber,
+}
+"""That of triangles, by the model of the material."""

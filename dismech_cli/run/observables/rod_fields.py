@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -196,26 +197,25 @@ class AxialStrainField:
 
 @dataclass(frozen=True, slots=True)
 class AxialForceField:
-    """EA times the elastic part of the axial strain.
+    """Tension of the edges: EA times the elastic part of the axial strain, or that of rubber.
 
     Attributes:
         edges: Shape (E, 2).
-        rest: Rest lengths [m], shape (E,).
-        stiffness: EA [N], shape (E,).
-        energy: Name of the stretching energy.
+        axial: Energy, tension and slope by length, natural strain and constants.
+        constants: Of the stretching energy, shape (C, E).
+        energy: Its name.
     """
 
     edges: IntArray
-    rest: FloatArray
-    stiffness: FloatArray
+    axial: Callable[..., Any]
+    constants: FloatArray
     energy: str
     spec: FieldSpec = AXIAL_FORCE
 
     def __call__(self, s: Snapshot) -> FloatArray:
         """Values (E,)."""
         (natural,) = s.natural(self.energy)
-        stretch = edge_lengths(s.positions, self.edges) / self.rest - 1.0
-        force: FloatArray = self.stiffness * (stretch - natural)
+        force: FloatArray = self.axial(edge_lengths(s.positions, self.edges), natural, *self.constants)[1]
         return force
 
 

@@ -32,6 +32,7 @@ def findings(scenario: Scenario) -> Iterator[Finding]:
     yield from _time(scenario)
     yield from _expressions(scenario)
     yield from _forces(scenario)
+    yield from _materials(scenario)
     yield from _output(scenario)
     yield from _expectations(scenario)
 
@@ -103,6 +104,14 @@ def _forces(scenario: Scenario) -> Iterator[Finding]:
         for i, force in enumerate(scenario.forces):
             if isinstance(force, Buoyancy):
                 yield ("forces", i), "buoyancy acts against gravity, but no force of type 'gravity' is given"
+
+
+def _materials(scenario: Scenario) -> Iterator[Finding]:
+    for i, shell in scenario.shells.items():
+        material = scenario.materials.get(shell.material)
+        if material is not None and material.model == "neo_hookean" and shell.membrane != "cst":
+            message = f"springs know no neo_hookean material, but {shell.material!r} is one; take 'cst'"
+            yield ("geometry", i, "membrane"), message
 
 
 def _output(scenario: Scenario) -> Iterator[Finding]:

@@ -2,17 +2,31 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from ..values.quantity import Quantity
-from ..values.spec import Spec
+from ..values.spec import Spec, problem
 
 
 class Material(Spec):
-    """A linear elastic material."""
+    """An elastic material."""
 
     youngs_modulus: Annotated[float, Quantity("pressure", gt=0)] = Field(description="Young's modulus.")
     poisson_ratio: Annotated[float, Quantity("ratio", gt=-1, le=0.5)] = Field(description="Poisson's ratio.")
     density: Annotated[float, Quantity("density", gt=0)] = Field(description="Mass per volume.")
+    model: Literal["st_venant_kirchhoff", "neo_hookean"] = Field(
+        default="st_venant_kirchhoff",
+        description="How it stretches: `st_venant_kirchhoff` stress proportional to strain, for strains up "
+        "to about 20 %; `neo_hookean` incompressible rubber, up to stretches of about 3, thinner as it "
+        "stretches. Bending and twisting keep the stiffness of the rest shape.",
+    )
+
+    @model_validator(mode="after")
+    def _sound(self) -> Material:
+        if self.model == "neo_hookean" and self.poisson_ratio != 0.5:
+            raise problem(
+                f"neo_hookean is incompressible: 'poisson_ratio' must be 0.5, got {self.poisson_ratio:g}"
+            )
+        return self
