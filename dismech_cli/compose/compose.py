@@ -20,6 +20,7 @@ from .numerics import build_integrator, build_newton, check_linear_solver, times
 from .observables.fields import make_fields, make_topology
 from .observables.labels import node_labels
 from .observables.probes import make_probes, make_watched
+from .observables.validity import make_checks
 from .scene import Scene, make_scene
 from .structure.holds import drives, resolve_holds
 from .structure.masses import mass_matrix
@@ -80,6 +81,7 @@ def compose(
         probes=probes,
         watched=make_watched(scene, structure),
         places=node_labels(scene.geometry),
+        checks=make_checks(scene, structure, elastic.rods),
     )
     return Composition(simulation, plan, scene.geometry)
 

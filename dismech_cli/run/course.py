@@ -19,6 +19,7 @@ from .simulation import Simulation
 from .sink import Progress, Sink
 from .step_control import StepControl
 from .tally import Counters, Stopwatch
+from .validity import Validity
 from .watched import Watched
 
 
@@ -36,6 +37,7 @@ class Course:
         stopwatch: Wall time so far.
         account: Energies and work.
         watched: Probes read after every step.
+        validity: What passed the limits of the models.
         framing: Frames written.
     """
 
@@ -48,6 +50,7 @@ class Course:
     stopwatch: Stopwatch
     account: EnergyAccount
     watched: Watched
+    validity: Validity
     framing: Framing
 
     @classmethod
@@ -60,6 +63,7 @@ class Course:
         account.bind(stepper.system, 0.0)
         observer = Observer(simulation, stepper, account)
         watched, stopwatch = Watched(simulation.watched), Stopwatch()
+        validity = Validity(simulation.checks)
         return cls(
             simulation=simulation,
             stepper=stepper,
@@ -70,7 +74,8 @@ class Course:
             stopwatch=stopwatch,
             account=account,
             watched=watched,
-            framing=Framing(simulation.frame_every, observer, watched, sink, stopwatch),
+            validity=validity,
+            framing=Framing(simulation.frame_every, observer, watched, validity, sink, stopwatch),
         )
 
     def parts(self) -> dict[str, Saved]:
@@ -82,6 +87,7 @@ class Course:
             "stopwatch": self.stopwatch,
             "account": self.account,
             "watched": self.watched,
+            "validity": self.validity,
             "framing": self.framing,
         }
 

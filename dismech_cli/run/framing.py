@@ -10,6 +10,7 @@ from .observables.snapshot import Snapshot
 from .observe import Observer
 from .sink import Sink
 from .tally import Stopwatch
+from .validity import Validity
 from .watched import Watched
 
 
@@ -23,7 +24,13 @@ class Framing:
     """
 
     def __init__(
-        self, every: float, observer: Observer, watched: Watched, sink: Sink, stopwatch: Stopwatch
+        self,
+        every: float,
+        observer: Observer,
+        watched: Watched,
+        validity: Validity,
+        sink: Sink,
+        stopwatch: Stopwatch,
     ) -> None:
         """Start before the first frame.
 
@@ -31,12 +38,14 @@ class Framing:
             every: Time between frames [s].
             observer: Makes snapshots and frames.
             watched: Probes to read.
+            validity: Looks at what frames show.
             sink: Where frames go.
             stopwatch: Counts the time this takes.
         """
         self._every = every
         self._observer = observer
         self._watched = watched
+        self._validity = validity
         self._sink = sink
         self._stopwatch = stopwatch
         self.frames = 0
@@ -63,6 +72,7 @@ class Framing:
         if not due:
             watch.book("observe", tick)
             return None
+        self._validity.look(snapshot)
         since = iterations - self._iterations
         frame = self._observer.frame(self.frames, snapshot, dt, since, result.residual_norm, watch.wall)
         tick = watch.book("observe", tick)

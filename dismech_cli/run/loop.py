@@ -12,6 +12,7 @@ from ..arrays import FloatArray
 from ..errors import LawError
 from ..model.saved import Arrays, Numbers
 from ..model.state import State
+from ..solve.integrators import Static
 from ..solve.status import Status
 from .course import Course
 from .failure import UNSTABLE, Attempt, describe_failure, describe_growth, describe_runaway
@@ -141,6 +142,12 @@ def _why_pause(course: Course, limits: Limits, stop: StopRequest) -> str:
 
 
 def _doubts(course: Course) -> tuple[str, ...]:
+    """Why not to believe a finished run: the balance that it ends in, and models out of their limits."""
+    unit = "" if isinstance(course.simulation.integrator, Static) else " s"
+    return (*_balance(course), *course.validity.doubts(course.simulation.places, unit))
+
+
+def _balance(course: Course) -> tuple[str, ...]:
     """Energy from nowhere at the end, more than an integrator may round; statics that would buckle."""
     model = course.simulation.model
     if not model.mass.any():

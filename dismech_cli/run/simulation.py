@@ -14,6 +14,7 @@ from .observables.probes import Probe
 from .observables.rod_fields import Field
 from .roles import Roles
 from .step_control import StepControl
+from .validity import Check
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -35,6 +36,7 @@ class Simulation:
         probes: Extra columns of the scalar table.
         watched: Probes read after every step, for expectations.
         places: A word for where each visible node lies: object and arc length.
+        checks: Limits of its models.
     """
 
     name: str
@@ -51,3 +53,4 @@ class Simulation:
     probes: Mapping[str, Probe]
     watched: Mapping[str, Probe]
     places: tuple[str, ...]
+    checks: tuple[Check, ...] = ()

@@ -1,0 +1,113 @@
+"""Limits of the models of a scene: no more than it has bodies for."""
+
+from __future__ import annotations
+
+from math import degrees, pi
+
+import numpy as np
+
+from ...kinematics.strains import rest_metric
+from ...run.observables.limits import (
+    Fold,
+    LostArea,
+    MembraneStrain,
+    RodBend,
+    RodStrain,
+    RodTurn,
+    folds,
+    turns,
+)
+from ...run.validity import Check
+from ..elastic.rods import RodEnergies
+from ..scene import Scene
+from ..structure.structure import Structure
+
+SMALL_STRAIN = 0.2  # that linear stretching means
+COLLAPSED = 0.99  # of its area lost
+FOLDED = 5.0 / 6.0 * pi  # [rad] between two triangles: one has turned over, or lies on the other
+SHARP = 0.5 * pi  # [rad] at one joint
+_FURTHER = "linear materials mean up to 20 %; those of model neo_hookean stretch further"
+
+
+def make_checks(scene: Scene, structure: Structure, rods: RodEnergies) -> tuple[Check, ...]:
+    """What a run of this scene must not pass unseen."""
+    return (
+        *_membranes(scene),
+        *_triangles(scene, structure),
+        *_edges(scene, rods),
+        *_joints(scene, structure),
+    )
+
+
+def _membranes(scene: Scene) -> list[Check]:
+    geometry = scene.geometry
+    linear = np.array([sheet.model == "st_venant_kirchhoff" for sheet in geometry.sheets], dtype=bool)
+    triangles = geometry.triangles[linear[geometry.triangle_shell]]
+    if not len(triangles):
+        return []
+    measure = MembraneStrain(triangles, rest_metric(geometry.nodes, triangles))
+    told = "a membrane is strained by {:.0%}".format
+    return [Check(measure, SMALL_STRAIN, triangles[:, 0], told, _FURTHER)]
+
+
+def _triangles(scene: Scene, structure: Structure) -> list[Check]:
+    geometry = scene.geometry
+    triangles = geometry.triangles
+    if not len(triangles):
+        return []
+    lost = Check(
+        LostArea(triangles, geometry.areas),
+        COLLAPSED,
+        triangles[:, 0],
+        lambda value: f"a triangle shrinks to {1.0 - value:.2g} of its area",
+        "the mesh cannot follow; refine it, or load less",
+    )
+    bodies = structure.shell_edges.bodies
+    pairs = np.concatenate(
+        [geometry.triangles_of(name)[body.topology.hinge_faces] for name, body in bodies.items()]
+    )
+    folded = Check(
+        Fold(triangles, pairs, folds(geometry.nodes, triangles, pairs)),
+        FOLDED,
+        triangles[pairs[:, 0], 0],
+        lambda value: f"a shell folds by {degrees(value):.0f} deg between two triangles",
+        "they turn over or lie on each other; refine the mesh, or load less",
+    )
+    return [lost, folded] if len(pairs) else [lost]
+
+
+def _edges(scene: Scene, rods: RodEnergies) -> list[Check]:
+    geometry, stretch = scene.geometry, rods.stretch
+    if stretch is None:
+        return []
+    linear = np.flatnonzero(stretch.parameter("EA") > 0.0)
+    if not len(linear):
+        return []
+    edges = geometry.edges[linear]
+    measure = RodStrain(edges, stretch.parameter("length")[linear], stretch.name, linear)
+    return [Check(measure, SMALL_STRAIN, edges[:, 0], "a rod is strained by {:.0%}".format, _FURTHER)]
+
+
+def _joints(scene: Scene, structure: Structure) -> list[Check]:
+    joints, rest = structure.skeleton.joints, structure.positions
+    triples = joints.triples
+    if not len(triples):
+        return []
+    at_rest = turns(rest, triples)
+    turned = Check(
+        RodTurn(triples, at_rest),
+        SHARP,
+        triples[:, 1],
+        lambda value: f"a rod turns by {degrees(value):.0f} deg at one node",
+        "a finer mesh would turn by less",
+    )
+    radius = scene.geometry.per_edge("radius")
+    radius = np.concatenate((radius, radius[structure.skeleton.owners]))[joints.pairs].max(axis=1)
+    bent = Check(
+        RodBend(triples, radius / joints.voronoi, 2.0 * np.tan(0.5 * at_rest)),
+        1.0,
+        triples[:, 1],
+        lambda value: f"a rod bends to {1.0 / value:.2g} of its own radius",
+        "tighter than a rod of that radius can",
+    )
+    return [turned, bent]
