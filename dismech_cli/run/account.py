@@ -23,6 +23,8 @@ from .work import Known, Work
 # Energy from nowhere, in units of all energy that was given: no damping scheme comes near, and an
 # unstable one passes it within a few steps.
 _RUNAWAY = 100.0
+# A motion by this share of the robot's size in the time of the run is no motion.
+_STILL = 1e-6
 
 
 class EnergyAccount:
@@ -104,28 +106,38 @@ class EnergyAccount:
         self.sums = {name: float(numbers[name]) for name in self.columns}
         return self
 
-    def growth(self, entries: Mapping[str, float]) -> float:
-        """Energy that nothing gave, as a share of the largest kinetic and elastic energy of the run.
+    def growth(self, entries: Mapping[str, float], seconds: float) -> float:
+        """Energy that nothing gave, as a share of all that the robot held or turned into heat.
+
+        What drag takes is summed step by step, each to within the error of a step: where far more
+        flows through the robot than it ever holds, the account is that far from exact.
 
         Args:
             entries: Result of :meth:`measure`.
+            seconds: Duration of the run [s].
         """
-        return entries["error"] / self.sums["largest"] if self.sums["largest"] and self._mass else 0.0
+        if not self._mass:
+            return 0.0  # statics rests in a balance that Newton's method has checked
+        flow = self.sums["largest"] + abs(entries["dissipation"])
+        return entries["error"] / (flow + self._stillness(seconds))
 
     def runs_away(self, entries: Mapping[str, float], seconds: float) -> bool:
         """Whether the robot holds far more energy than it was given: the integrator has blown up.
 
         Args:
             entries: Result of :meth:`measure`.
-            seconds: Duration of the run [s]. Motions below a millionth of the robot's size in that
-                time are round-off, not energy.
+            seconds: Duration of the run [s].
         """
         if not self._mass:
-            return False  # statics rests in a balance that Newton's method has checked
-        speed = 1e-6 * self._size / seconds
+            return False  # as above
         given = abs(entries["external_work"]) + abs(entries["dissipation"]) + abs(self.sums["initial"])
-        given += abs(entries["gravitational"]) + self._mass * speed**2
+        given += abs(entries["gravitational"]) + self._stillness(seconds)
         return entries["error"] > _RUNAWAY * given
+
+    def _stillness(self, seconds: float) -> float:
+        """Energy [J] of a motion by a millionth of the robot's size in the time of the run: round-off."""
+        speed = _STILL * self._size / seconds
+        return self._mass * speed**2
 
     def _see(self, state: State) -> Known:
         """What is known of a state; a step begins at the end of the last one."""

@@ -72,8 +72,8 @@ UNSTABLE = (
 def describe_growth(simulation: Simulation, error: float, share: float) -> str:
     """What to say when a run ends with some energy that nothing gave it."""
     return (
-        f"{error:.2g} J, {share:.0%} of the largest energy of the run, came from nowhere: "
-        f"{simulation.integrator.name} grows at this step; {_calmer(simulation)}"
+        f"{error:.2g} J, {share:.0%} of all that the run held or turned into heat, came from nowhere: "
+        f"{simulation.integrator.name} grows or goes astray at this step; {_calmer(simulation)}"
     )
 
 

@@ -20,7 +20,8 @@ from .interrupt import StopRequest
 from .simulation import Simulation
 from .sink import Sink
 
-# A run that ends with more energy from nowhere than this share of its largest has an unstable step.
+# A run that ends with more energy from nowhere than this share of what it held or turned into heat has
+# an unstable step.
 _GROWTH = 0.05
 
 
@@ -153,7 +154,7 @@ def _balance(course: Course) -> tuple[str, ...]:
     if not model.mass.any():
         return (UNSTABLE,) if course.stepper.unstable(course.state) else ()
     entries = course.account.measure(course.state)
-    share = course.account.growth(entries)
+    share = course.account.growth(entries, course.control.t_end)
     return (describe_growth(course.simulation, entries["error"], share),) if share > _GROWTH else ()
 
 

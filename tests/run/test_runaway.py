@@ -6,6 +6,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import ClassVar
 
+import pytest
+
 import dismech_cli
 from dismech_cli.compose.compose import compose
 from dismech_cli.model.state import State
@@ -45,6 +47,11 @@ class Amplifying:
         return replace(stage, v_end=(self.gain * slope, self.gain * constant))
 
 
+ROD_AT_REST = Path(__file__).parents[1] / "data" / "rod_at_rest.yaml"
+# Muscles pull against a drag that takes sixty times what they ever store.
+MUSCLE = Path(__file__).parents[2] / "scenarios" / "stretching_muscle.yaml"
+
+
 def outcome(folder: Path, gain: float) -> tuple[End, str]:
     deck = folder / "swing.yaml"
     deck.write_text(DECK)
@@ -62,6 +69,31 @@ def test_energy_from_nowhere_is_a_failure_that_says_so(tmp_path: Path) -> None:
 
 def test_a_sound_run_is_left_alone(tmp_path: Path) -> None:
     assert outcome(tmp_path, 1.0) == (End.DONE, "")
+
+
+@pytest.mark.parametrize("integrator", ["generalized_alpha", "tr_bdf2", "newmark", "implicit_midpoint"])
+def test_round_off_at_rest_is_no_energy(integrator: str) -> None:
+    named = [f"numerics.integrator={{type: {integrator}}}"]
+    result = run(compose(dismech_cli.load(ROD_AT_REST, overrides=named)).simulation, Memory())
+    assert (result.end, result.doubts) == (End.DONE, ())
+
+
+def test_what_drag_takes_is_known_to_a_share_of_it() -> None:
+    coarse = ["numerics.integrator={type: implicit_euler}", "numerics.dt=160 ms", "numerics.t_end=1.6 s"]
+    loaded = dismech_cli.load(MUSCLE, overrides=[*coarse, "expect={}"])
+    result = run(compose(loaded).simulation, Memory())
+    assert (result.end, result.doubts) == (End.DONE, ())
+
+
+def test_growth_short_of_a_blow_up_is_a_doubt(tmp_path: Path) -> None:
+    deck = tmp_path / "swing.yaml"
+    drag = ", {type: viscous, coefficient: 0.02}"
+    deck.write_text(DECK.replace("-9.81]}]", f"-9.81]}}{drag}]"))
+    simulation = compose(dismech_cli.load(deck)).simulation
+    result = run(replace(simulation, integrator=Amplifying(1.15)), Memory())
+    assert result.end is End.DONE
+    (doubt,) = result.doubts
+    assert "came from nowhere" in doubt
 
 
 def test_a_law_that_ends_in_the_middle_fails_the_run_and_keeps_its_frames(tmp_path: Path) -> None:
