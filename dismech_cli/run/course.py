@@ -14,7 +14,7 @@ from ..solve.step import Stepper, StepResult
 from .account import EnergyAccount
 from .framing import Framing
 from .observables.snapshot import Snapshot
-from .observe import Observer
+from .observe import Observer, Singular
 from .simulation import Simulation
 from .sink import Progress, Sink
 from .step_control import StepControl
@@ -39,6 +39,7 @@ class Course:
         watched: Probes read after every step.
         validity: What passed the limits of the models.
         framing: Frames written.
+        singular: Where eigenvalues could not be counted: the first state, if any.
     """
 
     simulation: Simulation
@@ -52,6 +53,7 @@ class Course:
     watched: Watched
     validity: Validity
     framing: Framing
+    singular: list[Singular]
 
     @classmethod
     def of(cls, simulation: Simulation, sink: Sink) -> Course:
@@ -61,7 +63,8 @@ class Course:
         )
         account = EnergyAccount(simulation.model, simulation.roles, simulation.initial_velocity)
         account.bind(stepper.system, 0.0)
-        observer = Observer(simulation, stepper, account)
+        singular: list[Singular] = []
+        observer = Observer(simulation, stepper, account, singular.append)
         watched, stopwatch = Watched(simulation.watched), Stopwatch()
         validity = Validity(simulation.checks)
         return cls(
@@ -76,6 +79,7 @@ class Course:
             watched=watched,
             validity=validity,
             framing=Framing(simulation.frame_every, observer, watched, validity, sink, stopwatch),
+            singular=singular,
         )
 
     def parts(self) -> dict[str, Saved]:
@@ -103,12 +107,16 @@ class Course:
             "analyses": self.stepper.analyses,
         }
 
-    def begin(self) -> None:
-        """Start: the energy at rest is the zero of the account."""
+    def begin(self) -> Snapshot | None:
+        """Start: the energy at rest is the zero of the account.
+
+        Returns:
+            What the first frame shows.
+        """
         self._prepare()
         self.account.start(self.state)
         nothing = np.zeros_like(self.state.q)
-        self._show(StepResult(self.state, Status.CONVERGED, 0, 0.0, nothing, -1), 0.0)
+        return self._show(StepResult(self.state, Status.CONVERGED, 0, 0.0, nothing, -1), 0.0)
 
     def resume(self, arrays: Arrays, numbers: Numbers) -> None:
         """Start from a checkpoint."""
@@ -132,7 +140,11 @@ class Course:
         result = step(self.state, target - self.state.t)
         self.stopwatch.book("solve", tick)
         self.counters.iterations += result.iterations
-        if result.state.t == target or result.status is not Status.CONVERGED:
+        if result.status is not Status.CONVERGED:
+            return result
+        if (lost := _lost(result.state)) >= 0:
+            return replace(result, state=self.state, status=Status.NOT_FINITE, worst=lost)
+        if result.state.t == target:
             return result
         # the integrator adds dt, which may round
         return replace(result, state=replace(result.state, t=target))
@@ -171,3 +183,9 @@ class Course:
         self.state = self.stepper.prepare(self.state)
         if self.stepper.system is not system:
             self.account.bind(self.stepper.system, self.state.t)
+
+
+def _lost(state: State) -> int:
+    """A DOF that is at no finite place or has no finite speed; -1 if there is none."""
+    nowhere = ~np.isfinite(state.q + state.v)
+    return int(np.argmax(nowhere)) if nowhere.any() else -1

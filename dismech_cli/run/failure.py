@@ -1,17 +1,35 @@
-"""What to tell when the solver gives up: what, where, when, the last steps, what to do."""
+"""What to tell when a run goes wrong: what, where, when, what was tried, what to do."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from math import isfinite
 from typing import TypeAlias
 
-from ..solve.integrators import INTEGRATORS, Static
+import numpy as np
+
+from ..solve.integrators import INTEGRATORS, Integrator, Static
 from ..solve.status import Status
 from ..solve.step import StepResult
+from .observables.snapshot import Snapshot
 from .simulation import Simulation
 
 Attempt: TypeAlias = tuple[float, float, StepResult]
 """Start and end of a step [s], and what came of it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Failure:
+    """Why a run ends before its time.
+
+    Attributes:
+        message: One or more lines for the user.
+        remedy: A change of the scenario that may help, as ``KEY=VALUE``; empty if none is known.
+    """
+
+    message: str
+    remedy: str = ""
 
 
 # Where the time of a run is the share of its loads, steps are load steps.
@@ -25,10 +43,27 @@ _STATIC_ADVICE: Mapping[Status, str] = {
         "no step lowers the energy: the load is near a fold or snap-through; pass it dynamically"
     ),
 }
+# Where shorter steps have been tried already.
+_CUT_ADVICE: Mapping[Status, str] = {
+    Status.MAX_ITERATIONS: "look at what is crushed, very stiff or thin there, or apply loads more slowly",
+    Status.NOT_FINITE: (
+        "an edge there folded back on itself or collapsed: look at the loads and motions on it, "
+        "or apply them more slowly"
+    ),
+    Status.LINE_SEARCH_FAILED: (
+        "no step lowers the energy: the state is near a fold that this integrator does not pass"
+    ),
+}
 
 
-def describe_failure(simulation: Simulation, last: Sequence[Attempt]) -> str:
-    """Several lines that a user can act on, about the last of some attempts."""
+def describe_failure(simulation: Simulation, last: Sequence[Attempt], *, cut: bool) -> Failure:
+    """Several lines that a user can act on, about the last of some attempts.
+
+    Args:
+        simulation: What is run.
+        last: The attempts.
+        cut: Whether shorter steps have been tried.
+    """
     start, t, result = last[-1]
     static = isinstance(simulation.integrator, Static)
     unit = "" if static else " s"
@@ -45,22 +80,57 @@ def describe_failure(simulation: Simulation, last: Sequence[Attempt]) -> str:
         f"{r.status.name.lower()}"
         for begin, end, r in last
     ]
-    advice = _STATIC_ADVICE.get(result.status, result.status.advice) if static else result.status.advice
-    lines.append(f"  advice: {advice}")
-    return "\n".join(lines)
+    if cut:
+        lines.append(f"  tried: halving the step down to {t - start:.3g}{unit} did not help")
+    own = _STATIC_ADVICE if static else _CUT_ADVICE if cut else {}
+    lines.append(f"  advice: {own.get(result.status, result.status.advice)}")
+    if static:
+        remedy = ""
+    elif cut:
+        remedy = _stronger(simulation)
+    else:
+        remedy = _shorter(t - start)
+    return Failure("\n".join(lines), remedy)
 
 
-def describe_runaway(simulation: Simulation, t: float, dt: float, energies: Mapping[str, float]) -> str:
-    """What to say when a run makes energy out of nothing."""
-    return "\n".join(
+def describe_runaway(simulation: Simulation, shown: Snapshot, dt: float) -> Failure:
+    """What to say when a run makes energy out of nothing, seen after a step of ``dt`` [s]."""
+    message = "\n".join(
         (
-            f"the motion blew up by t = {t:.6g} s with dt = {dt:.3g} s: "
-            f"{energies['error']:.3g} J that nothing gave it",
+            f"the motion blew up by t = {shown.state.t:.6g} s with dt = {dt:.3g} s: "
+            f"{shown.energies['error']:.3g} J that nothing gave it",
+            f"  fastest at {_where(simulation, int(np.abs(shown.state.v).argmax()))}",
             f"  {simulation.integrator.name} is unstable at this step: "
             "fast axial or bending modes grow without bound",
             f"  advice: {_calmer(simulation)}",
         )
     )
+    return Failure(message, _stronger(simulation) or _shorter(dt))
+
+
+def describe_infinite(simulation: Simulation, shown: Snapshot, dt: float) -> Failure:
+    """What to say when an energy is no number, seen after a step of ``dt`` [s]; 0 before the first."""
+    s, static = shown.state, isinstance(simulation.integrator, Static)
+    names = ", ".join(name for name in ("kinetic", "elastic", "gravitational") if not _known(shown, name))
+    moved = np.abs(s.q - simulation.model.rest)
+    at = f"t = {s.t:.6g}{'' if static else ' s'}"
+    lines = [
+        f"the {names or 'account of'} energy is infinite or not a number at {at}: no frame is written",
+        f"  farthest from rest: {_where(simulation, int(moved.argmax()))}, moved by {moved.max():.3g}",
+    ]
+    if not dt:
+        lines.append(
+            "  advice: the scene is so from the start: look at sizes, stiffnesses and natural strains"
+        )
+        return Failure("\n".join(lines))
+    lines.append(
+        "  the last step ended in a balance that is none: an edge folded back on itself or collapsed"
+    )
+    if static:
+        lines.append("  advice: raise integrator.load_steps")
+        return Failure("\n".join(lines))
+    lines.append(f"  advice: {_calmer(simulation)}, or apply the loads more slowly")
+    return Failure("\n".join(lines), _shorter(dt))
 
 
 UNSTABLE = (
@@ -77,11 +147,39 @@ def describe_growth(simulation: Simulation, error: float, share: float) -> str:
     )
 
 
+def describe_singular(simulation: Simulation, t: float, dof: int, error: ArithmeticError) -> str:
+    """What to say when the negative eigenvalues cannot be counted; ``dof`` is the one to look at."""
+    return (
+        f"negative_eigenvalues has no value (NaN) at t = {t:.6g}: {error}; "
+        f"look at {_where(simulation, dof)}: a part is free to move without resistance, or a stiffness is "
+        "out of range"
+    )
+
+
+def _known(shown: Snapshot, name: str) -> bool:
+    return isfinite(shown.energies[name])
+
+
 def _calmer(simulation: Simulation) -> str:
-    own = simulation.integrator
-    stronger = [i.name for i in sorted(INTEGRATORS, key=lambda i: i.damping) if i.damping > own.damping]
+    stronger = [i.name for i in _damping_more(simulation)]
     choice = f", or choose {' or '.join(stronger)}, which damp more" if stronger else ""
     return f"reduce numerics.dt{choice}"
+
+
+def _damping_more(simulation: Simulation) -> list[Integrator]:
+    own = simulation.integrator
+    return [i for i in sorted(INTEGRATORS, key=lambda i: i.damping) if i.damping > own.damping]
+
+
+def _stronger(simulation: Simulation) -> str:
+    """The change to what damps more, the most accurate of them; empty if nothing does."""
+    stronger = max(_damping_more(simulation), key=lambda i: (i.order, i.damping), default=None)
+    return f"numerics.integrator={{type: {stronger.name}}}" if stronger else ""
+
+
+def _shorter(dt: float) -> str:
+    """The change to a quarter of a step [s]."""
+    return f"numerics.dt={0.25 * dt:.3g} s"
 
 
 def _where(simulation: Simulation, dof: int) -> str:

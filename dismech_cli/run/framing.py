@@ -61,7 +61,7 @@ class Framing:
             last: Whether the run ends here, where a frame is always due.
 
         Returns:
-            What the frame shows, if one was due.
+            What the frame shows, if one was due; it is not written where an energy is no number.
         """
         due = result.state.t >= self.frames * self._every * (1.0 - 1e-12) or last
         if not due and not self._watched:
@@ -72,6 +72,9 @@ class Framing:
         if not due:
             watch.book("observe", tick)
             return None
+        if not snapshot.finite:
+            watch.book("observe", tick)
+            return snapshot
         self._validity.look(snapshot)
         since = iterations - self._iterations
         frame = self._observer.frame(self.frames, snapshot, dt, since, result.residual_norm, watch.wall)

@@ -15,7 +15,16 @@ from ..model.state import State
 from ..solve.integrators import Static
 from ..solve.status import Status
 from .course import Course
-from .failure import UNSTABLE, Attempt, describe_failure, describe_growth, describe_runaway
+from .failure import (
+    UNSTABLE,
+    Attempt,
+    Failure,
+    describe_failure,
+    describe_growth,
+    describe_infinite,
+    describe_runaway,
+    describe_singular,
+)
 from .interrupt import StopRequest
 from .simulation import Simulation
 from .sink import Sink
@@ -60,7 +69,9 @@ class Outcome:
         seconds: Wall time by phase [s].
         times: Times of the watched values [s].
         watched: Values of the watched probes after every step.
-        doubts: What makes a finished run doubtful, a line each.
+        doubts: What makes a run doubtful, a line each.
+        remedy: A change of the scenario that may help a failed run on, as ``KEY=VALUE``; empty if none is
+            known.
     """
 
     end: End
@@ -71,6 +82,7 @@ class Outcome:
     times: FloatArray
     watched: Mapping[str, FloatArray]
     doubts: tuple[str, ...] = ()
+    remedy: str = ""
 
 
 def run(
@@ -93,10 +105,10 @@ def run(
         announce: Told once which solver was chosen.
     """
     course = Course.of(simulation, sink)
-    if resume_from is None:
-        course.begin()
-    else:
+    if resume_from is not None:
         course.resume(*resume_from)
+    elif (shown := course.begin()) is not None and not shown.finite:
+        return _blown_up(course, describe_infinite(simulation, shown, 0.0))
     system = course.stepper.system
     announce(f"linear solver: {system.solver.name}, {system.pattern.m} free DOFs")
     return _advance(course, limits, stop or StopRequest())
@@ -112,23 +124,27 @@ def _advance(course: Course, limits: Limits, stop: StopRequest) -> Outcome:
             last.append((start, target, result))
             if result.status is not Status.CONVERGED:
                 if course.control.exhausted:
-                    return _failed(course, describe_failure(course.simulation, last))
+                    cut = course.counters.cuts > 0
+                    return _failed(course, describe_failure(course.simulation, last, cut=cut))
                 course.cut(result)
                 continue
             shown = course.accept(result)
         except LawError as error:
-            return _failed(course, str(error))
+            return _failed(course, Failure(str(error)))
+        dt = target - start
+        if shown is not None and not shown.finite:
+            return _blown_up(course, describe_infinite(course.simulation, shown, dt))
         if shown is not None and course.account.runs_away(shown.energies, course.control.t_end):
-            return _failed(
-                course, describe_runaway(course.simulation, target, target - start, shown.energies)
-            )
-        course.report(target - start)
+            return _blown_up(course, describe_runaway(course.simulation, shown, dt))
+        course.report(dt)
         if reason := _why_pause(course, limits, stop):
-            return _ended(course, End.INTERRUPTED, reason)
+            course.checkpoint()
+            return _ended(course, End.INTERRUPTED, Failure(reason))
         if time.monotonic() - saved >= limits.checkpoint_every:
             course.checkpoint()
             saved = time.monotonic()
-    return _ended(course, End.DONE, "", _doubts(course))
+    course.checkpoint()
+    return _ended(course, End.DONE, Failure(""), _doubts(course))
 
 
 def _why_pause(course: Course, limits: Limits, stop: StopRequest) -> str:
@@ -158,21 +174,29 @@ def _balance(course: Course) -> tuple[str, ...]:
     return (describe_growth(course.simulation, entries["error"], share),) if share > _GROWTH else ()
 
 
-def _failed(course: Course, message: str) -> Outcome:
-    course.sink.event("failed", course.state.t, message=message)
-    return _ended(course, End.FAILED, message)
-
-
-def _ended(course: Course, end: End, message: str, doubts: tuple[str, ...] = ()) -> Outcome:
-    """Leave a checkpoint and say what came of the run."""
+def _failed(course: Course, failure: Failure) -> Outcome:
+    """Give up where the last good step ended."""
     course.checkpoint()
+    return _blown_up(course, failure)
+
+
+def _blown_up(course: Course, failure: Failure) -> Outcome:
+    """Give up at a state that nobody should go on from: the last checkpoint is an earlier one."""
+    course.sink.event("failed", course.state.t, message=failure.message)
+    return _ended(course, End.FAILED, failure)
+
+
+def _ended(course: Course, end: End, why: Failure, doubts: tuple[str, ...] = ()) -> Outcome:
+    """Say what came of the run."""
+    singular = tuple(describe_singular(course.simulation, *found) for found in course.singular)
     return Outcome(
         end=end,
-        message=message,
+        message=why.message,
         state=course.state,
         counters=course.counts,
         seconds=course.stopwatch.seconds | {"total": course.stopwatch.wall},
         times=course.watched.times,
         watched=course.watched.values,
-        doubts=doubts,
+        doubts=(*singular, *doubts),
+        remedy=why.remedy,
     )

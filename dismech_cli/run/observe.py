@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from typing import TypeAlias
 
 from ..arrays import FloatArray
 from ..model.configuration import Configuration
 from ..model.state import State
 from ..output.frame import Frame
+from ..solve.linear.factors import FactorizationError
 from ..solve.step import Stepper
 from .account import EnergyAccount
 from .observables.probes import Probe
@@ -24,6 +26,9 @@ ENERGY_COLUMNS = (
     "error",
 )
 
+Singular: TypeAlias = tuple[float, int, ArithmeticError]
+"""Where eigenvalues could not be counted: time, the DOF to look at, and why."""
+
 
 def scalar_columns(roles: Roles, probes: Mapping[str, Probe]) -> dict[str, str]:
     """Names and units of the scalar table, in order."""
@@ -38,10 +43,26 @@ def scalar_columns(roles: Roles, probes: Mapping[str, Probe]) -> dict[str, str]:
 class Observer:
     """Looks at the states of one run."""
 
-    def __init__(self, simulation: Simulation, stepper: Stepper, account: EnergyAccount) -> None:
+    def __init__(
+        self,
+        simulation: Simulation,
+        stepper: Stepper,
+        account: EnergyAccount,
+        tell_singular: Callable[[Singular], None],
+    ) -> None:
+        """Look at nothing yet.
+
+        Args:
+            simulation: What is run.
+            stepper: Takes its steps.
+            account: Energies and work.
+            tell_singular: Told once why eigenvalues cannot be counted.
+        """
         self._simulation = simulation
         self._stepper = stepper
         self._account = account
+        self._tell_singular = tell_singular
+        self._singular = False
         self._elastic = {term.name: term for term in simulation.roles.elastic}
 
     def snapshot(self, state: State, residual: FloatArray) -> Snapshot:
@@ -52,10 +73,20 @@ class Observer:
             state,
             residual,
             measure,
-            lambda: self._stepper.negative_eigenvalues(state),
+            lambda: self._count_negative(state),
             lambda name: self._stencil_energies(name, state),
             lambda name: self._elastic[name].natural_at(state.t, state.inputs),
         )
+
+    def _count_negative(self, state: State) -> float:
+        """The run goes on where the tangent has no inertia: it is the probe that has no value."""
+        try:
+            return float(self._stepper.negative_eigenvalues(state))
+        except FactorizationError as error:
+            if not self._singular:
+                self._singular = True
+                self._tell_singular((state.t, self._stepper.softest(state), error))
+            return float("nan")
 
     def _stencil_energies(self, name: str, state: State) -> FloatArray:
         (term,) = (term for term in self._stepper.system.energies if term.name == name)

@@ -89,7 +89,12 @@ def conduct(session: Session, stop: StopRequest) -> Record:
             _ended(session, "failed", Ending(code_of(error), message))
         raise
     ending = conclude(
-        session.loaded.scenario, outcome, session.limits, stop, narrator, advice=_advice(run_dir)
+        session.loaded.scenario,
+        outcome,
+        session.limits,
+        stop,
+        narrator,
+        advice=_advice(run_dir, outcome.remedy),
     )
     manifest = _ended(session, outcome.end.value, ending, outcome)
     return Record(run_dir=run_dir, manifest=manifest, ending=ending, outcome=outcome)
@@ -111,8 +116,10 @@ def _run(session: Session, recorder: Recorder, stop: StopRequest) -> Outcome:
     )
 
 
-def _advice(run_dir: Path) -> str:
-    return f"resume with: dismech resume {run_dir}"
+def _advice(run_dir: Path, remedy: str = "") -> str:
+    """The line to type next."""
+    command = f"resume with: dismech resume {run_dir}"
+    return f"{command} --set '{remedy}'" if remedy else command
 
 
 def _abandon(recorder: Recorder) -> None:

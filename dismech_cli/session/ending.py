@@ -40,6 +40,8 @@ def conclude(
         narrator: Told.
         advice: How to go on where the run did not end, or nothing.
     """
+    for doubt in outcome.doubts:
+        narrator.warn(doubt)
     match outcome.end:
         case End.FAILED:
             narrator.error("\n  ".join(filter(None, (outcome.message, advice))))
@@ -49,8 +51,6 @@ def conclude(
             narrator.say("; ".join(filter(None, (message, advice))))
             return Ending(_pause_code(limits, outcome, stop), message)
         case End.DONE:
-            for doubt in outcome.doubts:
-                narrator.warn(doubt)
             verdicts = judge(scenario.expect, outcome)
             missed = ", ".join(v.name for v in verdicts if not v.passed)
             if not missed:

@@ -154,7 +154,11 @@ class Stepper:
             return False
 
     def negative_eigenvalues(self, state: State) -> int:
-        """Negative eigenvalues of the stiffness matrix at a static state."""
+        """Negative eigenvalues of the stiffness matrix at a static state.
+
+        Raises:
+            FactorizationError: The matrix is singular or not finite.
+        """
         values = self._stiffness(state)
         pattern = self.system.pattern
         # few scenes ask, and MKL takes long to load
@@ -162,7 +166,14 @@ class Stepper:
             self._count_negative = pattern, negative_eigenvalues_on(pattern)
         return self._count_negative[1](values)
 
+    def softest(self, state: State) -> int:
+        """The free DOF whose own stiffness is not finite, or else nearest to none, at a static state."""
+        pattern = self.system.pattern
+        stiffness = np.abs(self._stiffness(state)[pattern.diagonal])
+        return int(pattern.free[np.argmin(np.where(np.isfinite(stiffness), stiffness, -1.0))])
+
     def _stiffness(self, state: State) -> FloatArray:
+        """Stored entries of the stiffness matrix, shape (slots,)."""
         stage = self.integrator.stage(0, state, state, 0.0)
         return self.system.linearize(stage, state.q, state.frames).values
 

@@ -6,12 +6,13 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import ClassVar
 
+import numpy as np
 import pytest
 
 import dismech_cli
 from dismech_cli.compose.compose import compose
 from dismech_cli.model.state import State
-from dismech_cli.run.loop import End, run
+from dismech_cli.run.loop import End, Limits, run
 from dismech_cli.session.sinks import Memory
 from dismech_cli.solve.integrators import ImplicitEuler, Stage
 
@@ -94,6 +95,34 @@ def test_growth_short_of_a_blow_up_is_a_doubt(tmp_path: Path) -> None:
     assert result.end is End.DONE
     (doubt,) = result.doubts
     assert "came from nowhere" in doubt
+
+
+@pytest.mark.parametrize("gain", [1e200, 1e300])
+def test_a_frame_without_finite_energies_is_never_written(tmp_path: Path, gain: float) -> None:
+    deck = tmp_path / "swing.yaml"
+    deck.write_text(DECK)
+    memory = Memory()
+    simulation = compose(dismech_cli.load(deck)).simulation
+    with np.errstate(all="ignore"):
+        result = run(replace(simulation, integrator=Amplifying(gain)), memory)
+    assert result.end is End.FAILED
+    assert all(np.isfinite(list(frame.scalars.values())).all() for frame in memory.frames)
+    assert "the kinetic energy is infinite or not a number at t = 0.002 s" in result.message
+    assert "(rod 'beam', node " in result.message
+    assert "fast" not in result.message
+    assert memory.numbers == {}
+
+
+def test_a_blow_up_leaves_no_checkpoint_to_go_on_from(tmp_path: Path) -> None:
+    deck = tmp_path / "swing.yaml"
+    deck.write_text(DECK)
+    memory = Memory()
+    simulation = compose(dismech_cli.load(deck)).simulation
+    limits = Limits(checkpoint_every=0.0)
+    result = run(replace(simulation, integrator=Amplifying(1.6)), memory, limits=limits)
+    assert result.end is End.FAILED
+    assert memory.numbers["state.t"] < result.state.t
+    assert result.remedy == "numerics.integrator={type: tr_bdf2}"
 
 
 def test_a_law_that_ends_in_the_middle_fails_the_run_and_keeps_its_frames(tmp_path: Path) -> None:

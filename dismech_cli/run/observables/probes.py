@@ -112,10 +112,10 @@ class TwistAngle:
 
 @dataclass(frozen=True, slots=True)
 class NegativeEigenvalues:
-    """Negative eigenvalues of the stiffness: 0 for a stable equilibrium."""
+    """Negative eigenvalues of the stiffness: 0 for a stable equilibrium, NaN where it is singular."""
 
     unit: str = "1"
 
     def __call__(self, s: Snapshot) -> float:
         """Read it."""
-        return float(s.negative_eigenvalues)
+        return s.negative_eigenvalues

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from math import isfinite
 
 from ...arrays import FloatArray
 from ...kinematics.dofs import DofMap
@@ -22,7 +23,7 @@ class Snapshot:
         state: The state.
         residual: M a + r of the last solve, shape (n,): on held DOFs the force that holds them.
         measure_energies: Gives the energy account [J] by name.
-        count_negative: Gives the number of negative eigenvalues of the stiffness.
+        count_negative: Gives the number of negative eigenvalues of the stiffness, NaN if it is singular.
         stencil_energies: Gives the energy of each stencil of a named energy [J], shape (S,).
         natural: Gives the natural strains of a named energy at the time of the state, shape (naturals, S).
     """
@@ -31,7 +32,7 @@ class Snapshot:
     state: State
     residual: FloatArray
     measure_energies: Callable[[], Mapping[str, float]]
-    count_negative: Callable[[], int]
+    count_negative: Callable[[], float]
     stencil_energies: Callable[[str], FloatArray]
     natural: Callable[[str], FloatArray]
 
@@ -65,7 +66,12 @@ class Snapshot:
         """Energy account [J] by name."""
         return self.measure_energies()
 
+    @property
+    def finite(self) -> bool:
+        """Whether every energy is a number."""
+        return all(isfinite(energy) for energy in self.energies.values())
+
     @cached_property
-    def negative_eigenvalues(self) -> int:
-        """Negative eigenvalues of the stiffness matrix."""
+    def negative_eigenvalues(self) -> float:
+        """Negative eigenvalues of the stiffness matrix, NaN if it is singular."""
         return self.count_negative()
