@@ -9,7 +9,7 @@ from __future__ import annotations
 import hashlib
 import io
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -64,8 +64,14 @@ def save(folder: Path, arrays: Arrays, meta: Mapping[str, Json]) -> Path:
     return path
 
 
-def load_latest(folder: Path) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
-    """Load the newest checkpoint that is whole.
+def load_latest(
+    folder: Path, fits: Callable[[Arrays, Mapping[str, Any]], bool] = lambda arrays, meta: True
+) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
+    """Load the newest checkpoint that is whole and fits.
+
+    Args:
+        folder: The folder of checkpoints.
+        fits: Whether the arrays and the metadata of one will do.
 
     Returns:
         The arrays and the metadata given to :func:`save`.
@@ -76,9 +82,13 @@ def load_latest(folder: Path) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
     faults = []
     for path in _newest_first(folder):
         try:
-            return load(path)
+            arrays, meta = load(path)
         except OutputError as error:
             faults.append(str(error))
+            continue
+        if fits(arrays, meta):
+            return arrays, meta
+        faults.append(f"{path} does not serve here")
     if faults:
         raise OutputError("no checkpoint is readable: " + "; ".join(faults))
     raise OutputError(f"no checkpoint in {folder}")

@@ -91,9 +91,27 @@ class Clock:
         """The clock with the next step halved."""
         return replace(self, part=2 * self.part, level=self.level + 1)
 
+    @property
+    def closing(self) -> bool:
+        """Whether the last nominal step begins: with a later end of the run it may be another one."""
+        return self.index == self.steps - 1 and self.part == 0
+
+    def joining(self, before: Clock, t: float) -> Clock:
+        """This clock, of a changed scenario, where another stands at time ``t`` [s].
+
+        On the steps that both share the place is kept; else this grid begins at ``t``.
+        """
+        known = before.index + (2 if before.part else 1)
+        if np.array_equal(self.grid[:known], before.grid[:known]):
+            return replace(self, index=before.index, part=before.part, level=before.level)
+        later = self.grid[self.grid > t]
+        # a time next to t is t, rounded
+        near = later.size > 1 and later[0] - t < 1e-9 * (later[1] - later[0])
+        return Clock(np.append(t, later[1:] if near else later), self.max_cuts)
+
     def arrays(self) -> Arrays:
-        """None: the grid is that of the scenario."""
-        return {}
+        """The grid."""
+        return {"grid": self.grid}
 
     def numbers(self) -> Numbers:
         """The place on the grid."""
@@ -102,4 +120,4 @@ class Clock:
     def restore(self, arrays: Arrays, numbers: Numbers) -> Clock:
         """The clock at the place that was saved."""
         index, part, level = (int(numbers[name]) for name in ("index", "part", "level"))
-        return replace(self, index=index, part=part, level=level)
+        return replace(self, grid=arrays["grid"], index=index, part=part, level=level)

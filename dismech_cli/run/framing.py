@@ -49,6 +49,7 @@ class Framing:
         self._sink = sink
         self._stopwatch = stopwatch
         self.frames = 0
+        self._skipped = 0
         self._iterations = 0
 
     def see(self, result: StepResult, dt: float, iterations: int, *, last: bool) -> Snapshot | None:
@@ -63,7 +64,7 @@ class Framing:
         Returns:
             What the frame shows, if one was due; it is not written where an energy is no number.
         """
-        due = result.state.t >= self.frames * self._every * (1.0 - 1e-12) or last
+        due = result.state.t >= (self.frames + self._skipped) * self._every * (1.0 - 1e-12) or last
         if not due and not self._watched:
             return None
         watch, tick = self._stopwatch, time.perf_counter()
@@ -90,10 +91,19 @@ class Framing:
         return {}
 
     def numbers(self) -> Numbers:
-        """The number of frames, and the iterations at the last one."""
-        return {"frames": self.frames, "iterations": self._iterations}
+        """The number of frames and how they are spaced, and the iterations at the last one."""
+        return {
+            "frames": self.frames,
+            "skipped": self._skipped,
+            "every": self._every,
+            "iterations": self._iterations,
+        }
 
     def restore(self, arrays: Arrays, numbers: Numbers) -> Framing:
-        """Go on after the last frame that was saved."""
+        """Go on after the last frame that was saved; where the spacing changed, at its next multiple."""
         self.frames, self._iterations = int(numbers["frames"]), int(numbers["iterations"])
+        self._skipped, every = int(numbers["skipped"]), float(numbers["every"])
+        if every != self._every and self._every > 0.0:
+            shown = (self.frames - 1 + self._skipped) * every
+            self._skipped = int(shown / self._every * (1.0 + 1e-12)) + 1 - self.frames
         return self

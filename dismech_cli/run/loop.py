@@ -116,8 +116,12 @@ def run(
 
 def _advance(course: Course, limits: Limits, stop: StopRequest) -> Outcome:
     last = deque[Attempt](maxlen=5)
-    saved = time.monotonic()
+    saved, closed = time.monotonic(), False
     while not course.control.done:
+        if course.control.closing and not closed:
+            # where a run with a later end would take another way
+            course.checkpoint()
+            closed = True
         start, target = course.state.t, course.control.target
         try:
             result = course.step()

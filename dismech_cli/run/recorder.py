@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import contextlib
 import shutil
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 from ..errors import OutputError
 from ..model.saved import Arrays, Numbers
@@ -109,7 +109,11 @@ class Checkpoint(NamedTuple):
         return float(self.numbers["state.t"])
 
 
-def load_checkpoint(run_dir: Path) -> tuple[Mapping[str, Json], Checkpoint] | None:
+Stored: TypeAlias = tuple[Mapping[str, Json], Checkpoint]
+"""The identity given to :class:`Recorder`, and a checkpoint."""
+
+
+def load_checkpoint(run_dir: Path) -> Stored | None:
     """The newest readable checkpoint of a run, or None if it has not written any.
 
     Returns:
@@ -118,15 +122,32 @@ def load_checkpoint(run_dir: Path) -> tuple[Mapping[str, Json], Checkpoint] | No
     Raises:
         OutputError: If none is readable, or the program version that wrote it saved otherwise.
     """
+    return _load(run_dir, lambda arrays, meta: True)
+
+
+def _load(run_dir: Path, fits: Callable[[Arrays, Mapping[str, Any]], bool]) -> Stored | None:
     folder = run_dir / CHECKPOINT_FOLDER
     if not any(folder.glob("checkpoint-*.npz")):
         return None
-    arrays, meta = checkpoint.load_latest(folder)
+    arrays, meta = checkpoint.load_latest(folder, fits)
     if meta.get(_FORMAT) != _VERSION:
         raise OutputError(
             f"the checkpoint in {folder} is of another version of dismech: resume with that one, or run anew"
         )
     return meta[_IDENTITY], Checkpoint(arrays, meta[_NUMBERS])
+
+
+def load_open_checkpoint(run_dir: Path) -> Stored | None:
+    """As :func:`load_checkpoint`, but from before the last step of the run.
+
+    Raises:
+        OutputError: likewise.
+    """
+    return _load(run_dir, lambda arrays, meta: meta.get(_FORMAT) != _VERSION or not _at_end(arrays, meta))
+
+
+def _at_end(arrays: Arrays, meta: Mapping[str, Any]) -> bool:
+    return bool(meta[_NUMBERS]["control.index"] >= len(arrays["control.grid"]) - 1)
 
 
 def discard(run_dir: Path) -> None:

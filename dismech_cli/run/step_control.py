@@ -31,6 +31,13 @@ class StepControl(Saved, Protocol):
     def exhausted(self) -> bool:
         """Whether the next step is as short as a step may be: if it fails, the run does."""
 
+    @property
+    def closing(self) -> bool:
+        """Whether the next step may be another one if the run had a later end."""
+
+    def joining(self, before: Self, t: float) -> Self:
+        """This control, of a changed scenario, where another stands at time ``t`` [s]."""
+
     def accepted(self, result: StepResult) -> Self:
         """The control after a step that reached its target."""
 

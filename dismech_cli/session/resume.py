@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
@@ -12,8 +12,9 @@ from ..output.jsonable import Json
 from ..output.manifest import FILE_NAME, installed_versions, load_manifest
 from ..output.run_directory import LOG_FILE, SCENARIO_FILE, RunLock
 from ..run.interrupt import stop_on_signals
-from ..run.recorder import Checkpoint, discard, load_checkpoint
+from ..run.recorder import Checkpoint, Stored, discard, load_checkpoint, load_open_checkpoint
 from ..scenario.load import LoadedScenario, load
+from .changing import asked, keep, moved
 from .composing import composed
 from .conduct import Record, Session, conduct
 from .drawing import Finished, draw_asked
@@ -25,66 +26,95 @@ from .narrator import Narrator
 from .pause import Pause
 
 
-def proceed(run_dir: Path, pause: Pause, narrator: Narrator) -> Finished:
-    """Continue the run in ``run_dir``; a finished one is returned as it is.
+def proceed(run_dir: Path, pause: Pause, narrator: Narrator, overrides: tuple[str, ...] = ()) -> Finished:
+    """Continue the run in ``run_dir``; a finished one is returned as it is, unless it gets a later end.
+
+    Args:
+        run_dir: Where the run lies.
+        pause: When to pause; a time beyond the end of the run is its new end.
+        narrator: Told what happens.
+        overrides: ``KEY=VALUE`` texts that hold from here on.
 
     Raises:
-        ScenarioError: The directory holds no run, or its checkpoint is of another scenario.
+        ScenarioError: The directory holds no run, its checkpoint is of another scenario, or a change would
+            make it another model.
         OutputError: No checkpoint is readable, or a result cannot be written.
     """
-    limits = pause.limits()
+    pause.limits()
     if not (run_dir / FILE_NAME).is_file():
         raise ScenarioError(f"{run_dir} is no run directory: it has no {FILE_NAME}")
     with RunLock(run_dir), stop_on_signals() as stop:
         manifest = load_manifest(run_dir)
-        if manifest.status == "done":
+        before = _scenario(run_dir)
+        change = asked(before, overrides, pause)
+        later = change.after
+        if manifest.status == "done" and _end(later) <= _end(before):
+            if change.overrides:
+                raise ScenarioError(f"{run_dir} is finished: only a later end, --until T, changes it")
             narrator.say(f"{run_dir} is finished" + (f"; {manifest.message}" if manifest.message else ""))
             ending = Ending(manifest.exit_code or Exit.DONE, manifest.message)
             return Finished(Record(run_dir=run_dir, manifest=manifest, ending=ending))
         logged = Logged(narrator, run_dir / LOG_FILE)
-        loaded, recorded, checkpoint = _stored(run_dir, logged)
+        recorded, checkpoint = _stored(
+            run_dir, logged, load_open_checkpoint if change.overrides else load_checkpoint
+        )
         kernels = None if recorded is None else str(recorded["kernels"])
         if kernels == "numba" and find_spec("numba") is None:
             raise ScenarioError(
                 f"{run_dir} was run with numba, which is missing: pip install 'dismech[fast]'"
             )
-        composition = composed(loaded, kernels, narrator)
+        composition = composed(later, kernels, narrator)
+        if change.overrides:
+            if checkpoint is not None:
+                checkpoint = moved(composition.simulation, checkpoint)
+            manifest, recorded = keep(run_dir, manifest, recorded, checkpoint, change)
+            logged.say(manifest.changes[-1])
         manifest = replace(manifest, status="running", ended="", exit_code=None, message="")
         manifest.save(run_dir)
-        identity = recorded or _fresh_identity(run_dir, loaded, composition.plan.kernels)
+        identity = recorded or _fresh_identity(run_dir, later, composition.plan.kernels)
         logged.say(f"resuming at t = {0.0 if checkpoint is None else checkpoint.t:.6g} s")
         session = Session(
-            loaded=loaded,
+            loaded=later,
             composition=composition,
             run_dir=run_dir,
             manifest=manifest,
             identity=identity,
             checkpoint=checkpoint,
-            limits=limits,
+            limits=change.pause.limits(),
             narrator=logged,
         )
         record = conduct(session, stop)
-    return draw_asked(record, loaded.scenario.output.render, narrator)
+    return draw_asked(record, later.scenario.output.render, narrator)
 
 
-def _stored(
-    run_dir: Path, narrator: Narrator
-) -> tuple[LoadedScenario, Mapping[str, Json] | None, Checkpoint | None]:
-    """Scenario, identity and checkpoint of a run; without a checkpoint it starts anew."""
+def _scenario(run_dir: Path) -> LoadedScenario:
+    """The scenario of a run as copied."""
     file = run_dir / SCENARIO_FILE
     if not file.is_file():
         raise OutputError(f"cannot resume {run_dir}: it was stopped before {SCENARIO_FILE} was written")
-    stored = load_checkpoint(run_dir)
+    return load(file)
+
+
+def _end(loaded: LoadedScenario) -> float:
+    """End of a run [s]; that of statics does not move."""
+    return loaded.scenario.numerics.t_end or 0.0
+
+
+def _stored(
+    run_dir: Path, narrator: Narrator, load_it: Callable[[Path], Stored | None]
+) -> tuple[Mapping[str, Json] | None, Checkpoint | None]:
+    """Identity and checkpoint of a run; without one it starts anew."""
+    stored = load_it(run_dir)
     if stored is None:
         narrator.warn(f"{run_dir} has no checkpoint yet: starting again")
         discard(run_dir)
-        return load(file), None, None
+        return None, None
     recorded, checkpoint = stored
     names = recorded["inputs"]
     assert isinstance(names, Mapping)
     refuse_other(run_dir, recorded, stored_inputs(run_dir, names))
     _compare_versions(recorded, narrator)
-    return load(file), recorded, checkpoint
+    return recorded, checkpoint
 
 
 def _compare_versions(recorded: Mapping[str, Json], narrator: Narrator) -> None:
