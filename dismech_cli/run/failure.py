@@ -43,6 +43,14 @@ _STATIC_ADVICE: Mapping[Status, str] = {
         "no step lowers the energy: the load is near a fold or snap-through; pass it dynamically"
     ),
 }
+_STATIC_CUT_ADVICE: Mapping[Status, str] = {
+    Status.MAX_ITERATIONS: (
+        "the next equilibrium is far away: set numerics.newton.projection=indefinite or raise "
+        "numerics.newton.max_iterations; thin shells and slack strings settle in a dynamic run with "
+        "implicit_euler and damping instead"
+    ),
+    Status.LINE_SEARCH_FAILED: _STATIC_ADVICE[Status.LINE_SEARCH_FAILED],
+}
 # Where shorter steps have been tried already.
 _CUT_ADVICE: Mapping[Status, str] = {
     Status.MAX_ITERATIONS: "look at what is crushed, very stiff or thin there, or apply loads more slowly",
@@ -82,7 +90,10 @@ def describe_failure(simulation: Simulation, last: Sequence[Attempt], *, cut: bo
     ]
     if cut:
         lines.append(f"  tried: halving the step down to {t - start:.3g}{unit} did not help")
-    own = _STATIC_ADVICE if static else _CUT_ADVICE if cut else {}
+    own = {
+        **(_CUT_ADVICE if cut else {}),
+        **((_STATIC_CUT_ADVICE if cut else _STATIC_ADVICE) if static else {}),
+    }
     lines.append(f"  advice: {own.get(result.status, result.status.advice)}")
     if static:
         remedy = ""
