@@ -126,3 +126,16 @@ def test_a_finished_run_takes_no_change_but_a_later_end(tmp_path: Path) -> None:
     assert load_manifest(run_dir).changes == ()
     with pytest.raises(ScenarioError, match="only a later end"):
         go_on(run_dir, "numerics.dt=1 ms")
+
+
+def test_a_failed_run_goes_on_under_other_settings(tmp_path: Path) -> None:
+    blown = "forces: [{type: point, where: r.end, force: [-1e4, 0, 0]}, "
+    (tmp_path / "blown.yaml").write_text(
+        DECK.replace("forces: [", blown).replace("radius: 1 mm", "radius: 2 mm")
+    )
+    report = dismech_cli.simulate(tmp_path / "blown.yaml", out=tmp_path / "blown")
+    assert report.exit == 3
+    assert all(np.isfinite(list(frame.scalars.values())).all() for frame in report.frames)
+    go_on(tmp_path / "blown", "numerics.integrator={type: implicit_euler}", "numerics.dt=1 ms")
+    assert "implicit_euler" in load_manifest(tmp_path / "blown").changes[0]
+    assert np.isfinite(table(tmp_path / "blown")).all()
