@@ -7,14 +7,15 @@ import re
 from typing import Final
 
 from .units import KINDS, UNITS, Dimension, Kind
-from .words import hint
+from .words import did_you_mean, listed
 
 MAX_TEXT: Final = 80
 MAX_EXPONENT: Final = 9
 
 _NUMBER = re.compile(r"\s*([-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?)")
 _TOKEN = re.compile(
-    r"\s*(?:(?P<power>\*\*|\^)\s*(?P<exponent>[-+]?\d{1,2})(?!\d)"
+    r"(?P<digit>(?<=[A-Za-zµμ])-?[1-9](?![\d.]))"
+    r"|\s*(?:(?P<power>\*\*|\^)\s*(?P<exponent>[-+]?\d{1,2})(?!\d)"
     r"|(?P<superscript>[²³])"
     r"|(?P<operator>[*/·])"
     r"|(?P<open>\()"
@@ -36,14 +37,18 @@ def parse_quantity(text: str, kind: Kind) -> float:
     wanted = kind.phrase if kind.unit == "1" else f"{kind.phrase} such as '1 {kind.unit}'"
     if _NUMBER.match(text) is None:
         raise QuantityError(f"expected {wanted}, got '{_short(text)}'")
-    value, dimension = read_quantity(text)
+    value, dimension = read_quantity(text, kind)
     if dimension is not None and dimension not in (kind.dimension, *kind.also):
         raise QuantityError(f"expected {wanted}, got {name_of(dimension)}, '{text.strip()}'")
     return value
 
 
-def read_quantity(text: str) -> tuple[float, Dimension | None]:
+def read_quantity(text: str, kind: Kind | None = None) -> tuple[float, Dimension | None]:
     """Value in SI and dimension of ``text``; the dimension is None if there is no unit.
+
+    Args:
+        text: A number and a unit.
+        kind: What is expected: only its units are suggested for an unknown one.
 
     Raises:
         QuantityError: if the text is not a number and a unit.
@@ -55,11 +60,31 @@ def read_quantity(text: str) -> tuple[float, Dimension | None]:
     if number is None or not text.isprintable():
         raise QuantityError(f"expected a number with a unit such as '2 mm', got '{shown}'")
     unit = text[number.end() :].strip()
-    factor, dimension = _Units(unit, shown).read() if unit else (1.0, None)
+    factor, dimension = _Units(unit, shown, _suggested(kind)).read() if unit else (1.0, None)
     value = float(number[1]) * factor
     if not math.isfinite(value):
         raise QuantityError(f"'{shown}' is too large")
     return value, dimension
+
+
+def _suggested(kind: Kind | None) -> list[str]:
+    """Units of a quantity, and of the factors in its SI unit; all where nothing is expected."""
+    if kind is None:
+        return list(UNITS)
+    factors = {UNITS[name][1] for name in re.findall(r"[A-Za-z]+", kind.unit)}
+    near = {kind.dimension, *kind.also, *factors}
+    return [name for name, (_, dimension) in UNITS.items() if dimension in near]
+
+
+def _did_you_mean(name: str, known: list[str]) -> str:
+    """A hint; where only the case tells several units apart, as with MPa and mPa, all of them."""
+    same = [unit for unit in known if unit.lower() == name.lower()]
+    if len(same) > 1:
+        as_typed = [unit for unit in same if name[0].isupper() and unit[0] == name[0]]
+        largest_first = sorted(as_typed or same, key=lambda unit: -UNITS[unit][0])
+        return f"; did you mean {listed(largest_first)}?"
+    near = did_you_mean(name, known)
+    return f"; did you mean {near!r}?" if near else ""
 
 
 def _short(text: str) -> str:
@@ -86,8 +111,9 @@ def with_unit(number: str, unit: str) -> str:
 class _Units:
     """Reads ``N*s/m^2``: factors joined by ``*``, ``/`` or a blank, with whole powers and brackets."""
 
-    def __init__(self, unit: str, shown: str) -> None:
+    def __init__(self, unit: str, shown: str, suggested: list[str]) -> None:
         self.shown = shown
+        self.suggested = suggested
         self.tokens = self._tokens(unit)
         self.at = 0
 
@@ -129,7 +155,7 @@ class _Units:
             elif divided:  # 'N/m s' reads both ways
                 raise QuantityError(f"unclear unit in '{self.shown}': write N/(m*s) or N*s/m")
             value, other = self._power()
-            factor, dimension = factor * value**sign, dimension.times(other, sign)
+            factor, dimension = factor * self._to_power(value, sign), dimension.times(other, sign)
         return factor, dimension
 
     def _power(self) -> tuple[float, Dimension]:
@@ -143,11 +169,21 @@ class _Units:
         else:
             raise self._unclear()
         exponent = self._exponent()
-        return factor**exponent, Dimension().times(dimension, exponent)
+        return self._to_power(factor, exponent), Dimension().times(dimension, exponent)
+
+    def _to_power(self, factor: float, exponent: int) -> float:
+        """``factor ** exponent``, refused where it leaves the range of floating-point numbers."""
+        try:
+            power = float(factor**exponent)
+        except (OverflowError, ZeroDivisionError):
+            power = math.inf
+        if not 0.0 < power < math.inf:
+            raise QuantityError(f"the unit of '{self.shown}' is too large or too small to compute with")
+        return power
 
     def _exponent(self) -> int:
         kind, text = self._peek()
-        if kind not in ("exponent", "superscript"):
+        if kind not in ("exponent", "superscript", "digit"):  # m^3, m³ and m3
             return 1
         self.at += 1
         exponent = {"²": 2, "³": 3}.get(text) or int(text)
@@ -157,7 +193,9 @@ class _Units:
 
     def _unit(self, name: str) -> tuple[float, Dimension]:
         if name not in UNITS:
-            raise QuantityError(f"unknown unit '{name}' in '{self.shown}'{hint(name, UNITS)}")
+            raise QuantityError(
+                f"unknown unit '{name}' in '{self.shown}'{_did_you_mean(name, self.suggested)}"
+            )
         return UNITS[name]
 
     def _unclear(self) -> QuantityError:

@@ -22,6 +22,7 @@ from .observables.labels import node_labels
 from .observables.probes import make_probes, make_watched
 from .observables.validity import make_checks
 from .scene import Scene, make_scene
+from .sizes import refuse_oversized
 from .structure.holds import drives, resolve_holds
 from .structure.masses import mass_matrix
 from .structure.plan import Plan, make_plan
@@ -55,6 +56,7 @@ def compose(
         ScenarioError: The scenario cannot be composed; the message points to the key.
     """
     scene = make_scene(loaded)
+    refuse_oversized(loaded, scene.geometry)
     holds = resolve_holds(scene)
     plan = make_plan(scene, holds, kernels)
     planned(plan)

@@ -11,6 +11,7 @@ from typing import Any, Literal
 from ..errors import ScenarioError
 from ..words import listed
 from .checking.checks import findings
+from .checking.default_kinds import default_kinds
 from .checking.plausibility import doubts
 from .checking.validation import check_version, validate
 from .language.scenario import Scenario
@@ -230,7 +231,7 @@ def _overridden(root: Node, overrides: Sequence[str]) -> Node:
     problems: list[Problem] = []
     for argument in overrides:
         try:
-            root = apply_override(root, argument)
+            root = apply_override(root, argument, default_kinds())
         except ProblemsError as error:
             problems += error.problems
     if problems:

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..compose.bodies.geometry import Geometry
 from ..compose.compose import Composition, compose
+from ..compose.sizes import memory
 from ..compose.structure.plan import Decision
 from ..kinematics.motion import held_dofs
 from ..output.frame import Topology
@@ -22,8 +23,6 @@ from ..solve.system import System
 _ITERATION = {"numpy": (1.2e-3, 3.0e-6, 4.0e-6), "numba": (0.3e-3, 1.2e-6, 1.0e-6)}
 _FILL, _FILL_POWER = 3.3e-7, 1.35
 _ITERATIONS_PER_STEP = 4.0
-_PROGRAM = 150e6  # bytes of Python with its libraries
-_BYTES_PER_ENTRY = 120.0  # matrix, factors, slot tables
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -181,7 +180,7 @@ def estimate(composition: Composition) -> Cost:
         steps=steps,
         frames=frames,
         seconds=steps * _ITERATIONS_PER_STEP * iteration,
-        memory=_PROGRAM + _BYTES_PER_ENTRY * pattern.nnz,
+        memory=memory(edges, triangles, model.dofs.dimension),
         disk=8.0 * frames * _numbers_per_frame(topology),
     )
 

@@ -6,7 +6,7 @@ import pytest
 from scenario_folder import SCENE, TOML, Folder, folder
 
 from dismech_cli.errors import ScenarioError
-from dismech_cli.scenario.load import load
+from dismech_cli.scenario.load import load, load_text
 
 __all__ = ["folder"]
 
@@ -328,3 +328,69 @@ def test_long_lines_are_shown_around_the_fault(folder: Folder) -> None:
 
 def test_control_characters_do_not_reach_the_terminal(folder: Folder) -> None:
     assert "\x1b" not in _message(folder, SCENE.replace("radius: 1 mm", 'radius: "\\e[31m1"'))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "expected"),
+    [
+        (
+            "name: arm, ",
+            "name: arm, natural: {curvature_1: soft}, ",
+            "natural.curvature_1: expected a curvature",
+        ),
+        (
+            "name: arm, ",
+            "name: arm, natural: {curvature_1: [1, x]}, ",
+            "natural.curvature_1[1]: expected a curv",
+        ),
+        (
+            "END",
+            "output: {render: {color_by: velocty}}",
+            "output.render.color_by: expected 'none', 'speed', 'vel",
+        ),
+    ],
+)
+def test_a_wrong_value_that_may_be_of_several_kinds_is_one_fault(old: str, new: str, expected: str) -> None:
+    text = (
+        "schema_version: 1\nname: one\n"
+        "materials: {m: {youngs_modulus: 1 MPa, poisson_ratio: 0.3, density: 1000}}\n"
+        "geometry: [{type: rod, name: arm, material: m, radius: 1 mm, generate: "
+        "{shape: line, from: [0, 0, 0], to: [0.1, 0, 0], nodes: 3}}]\n"
+        "numerics: {dt: 1 ms, t_end: 10 ms}\nEND"
+    )
+    with pytest.raises(ScenarioError) as error:
+        load_text(text.replace(old, new).removesuffix("END"))
+    faults = [line for line in str(error.value).splitlines() if line.startswith("<text>")]
+    assert len(faults) == 1
+    assert expected in faults[0]
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("щупальце", "'щ' is none of them: use the letters a to z and A to Z, digits, '_' and '-'"),
+        ("café", "'é' is none of them"),
+        ("a b", "' ' is none of them"),
+        ("x" * 300, "at most 100 characters, got 300"),
+    ],
+)
+def test_what_is_wrong_with_a_name_is_said(name: str, message: str) -> None:
+    with pytest.raises(ScenarioError, match="not a usable name") as error:
+        load_text(f"schema_version: 1\nname: '{name}'\n")
+    assert message in str(error.value)
+
+
+def test_a_value_inside_the_default_integrator_can_be_set() -> None:
+    text = (
+        "schema_version: 1\nname: one\n"
+        "materials: {m: {youngs_modulus: 1 MPa, poisson_ratio: 0.3, density: 1000}}\n"
+        "geometry: [{type: rod, name: arm, material: m, radius: 1 mm, generate: "
+        "{shape: line, from: [0, 0, 0], to: [0.1, 0, 0], nodes: 3}}]\n"
+        "numerics: {dt: 1 ms, t_end: 10 ms}\n"
+    )
+    integrator = load_text(text, overrides=["numerics.integrator.spectral_radius=0.5"]).scenario.numerics
+    assert integrator.integrator.model_dump() == {"type": "generalized_alpha", "spectral_radius": 0.5}
+    other = ["numerics.integrator.beta=0.3", "numerics.integrator.type=newmark"]
+    assert load_text(text, overrides=other).scenario.numerics.integrator.type == "newmark"
+    with pytest.raises(ScenarioError, match=r"numerics\.integrator\.beta: unknown key"):
+        load_text(text, overrides=["numerics.integrator.beta=0.3"])

@@ -132,13 +132,14 @@ def _group(groups: Mapping[str, IntArray], name: str) -> IntArray:
 
 
 def _numbered(members: IntArray, which: IndexSet, what: str) -> IntArray:
-    wanted = (
-        np.array(which.indices)
-        if which.indices is not None
-        else np.arange(which.range[0], which.range[1] + 1)  # type: ignore[index]
-    )
-    if wanted.max() >= len(members):
+    greatest = max(which.indices if which.range is None else which.range)  # type: ignore[arg-type]
+    if greatest >= len(members):
         raise SelectionError(
-            f"{what} {wanted.max()} of '{which.of}' does not exist; it has {len(members)}, counted from 0"
+            f"{what} {greatest} of '{which.of}' does not exist; it has {len(members)}, counted from 0"
         )
-    return members[wanted]
+    found: IntArray = (
+        members[np.array(which.indices)]
+        if which.range is None
+        else members[which.range[0] : which.range[1] + 1]
+    )
+    return found

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import get_args
+from typing import Final, get_args
 
 import numpy as np
 
@@ -20,6 +20,9 @@ from ..values.law import PLACES, ExpressionLaw
 from ..views.walk import probes, walk
 from .finding import Finding
 from .names import name_findings
+
+MAX_STEPS: Final = 10_000_000
+"""Nominal time steps of a run: each takes a place in the time grid of the run."""
 
 # Times at which expressions are tried, both ends among them.
 _TRIED = 101
@@ -80,6 +83,12 @@ def _time(scenario: Scenario) -> Iterator[Finding]:
             yield ("numerics", key), "missing key: a run in time needs it"
     if numerics.dt is not None and numerics.t_end is not None and numerics.dt > numerics.t_end:
         yield ("numerics", "dt"), f"longer than the run of {numerics.t_end:g} s"
+    steps = 0.0 if numerics.dt is None or numerics.t_end is None else numerics.t_end / numerics.dt
+    if steps > MAX_STEPS:
+        yield (
+            ("numerics", "dt"),
+            f"{steps:.3g} steps to the end of the run at {numerics.t_end:g} s; at most {MAX_STEPS:.0e}",
+        )
 
 
 def _expressions(scenario: Scenario) -> Iterator[Finding]:

@@ -32,6 +32,11 @@ _EXPECTED: Final = {
 }
 
 
+def is_wrong_type(detail: ErrorDetails) -> bool:
+    """Whether a value is not even of the kind that is expected."""
+    return detail["type"] in _EXPECTED
+
+
 def message(detail: ErrorDetails, data: Any, path: KeyPath) -> str:
     """What is wrong with the value at a key path.
 
@@ -67,10 +72,22 @@ def message(detail: ErrorDetails, data: Any, path: KeyPath) -> str:
         words, key = _BOUNDS[kind]
         return f"must be {words} {context[key]}, got {describe(given)}"
     if kind == "string_pattern_mismatch":
-        return f"not a usable name: {describe(given)}; use letters, digits, '_' and '-'"
-    if kind in ("string_too_short", "string_too_long"):
-        return "must not be empty" if kind == "string_too_short" else "text too long"
+        return _name(str(given))
+    if kind == "string_too_short":
+        return "must not be empty"
+    if kind == "string_too_long":
+        return (
+            f"not a usable name: too long, at most {context['max_length']} characters, got {len(str(given))}"
+        )
     return str(detail["msg"])
+
+
+def _name(given: str) -> str:
+    """Why a text is no name: names become folders and columns, which every system and tool must take."""
+    strange = next((c for c in given if not (c.isascii() and (c.isalnum() or c in "_-."))), None)
+    culprit = "" if strange is None else f"{strange!r} is none of them: "
+    allowed = "the letters a to z and A to Z, digits, '_' and '-'"
+    return f"not a usable name: {describe(given)}; {culprit}use {allowed}"
 
 
 def _length(context: Mapping[str, Any], kind: str) -> str:

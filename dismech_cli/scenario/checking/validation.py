@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from typing import Final
+
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
@@ -10,7 +13,10 @@ from ..language.scenario import SCHEMA_VERSION, Scenario
 from ..text.problems import Problem, ProblemsError
 from ..text.tree import KeyPath, Mark, Node, point
 from .known_keys import TAG_KEYS, known_keys
-from .messages import message
+from .messages import is_wrong_type, message
+
+# How pydantic calls the members of a union that no key tells apart.
+_MEMBERS: Final = ("function-before", "tuple", "str", "int", "constrained-int")
 
 
 def validate(root: Node) -> Scenario:
@@ -25,7 +31,7 @@ def validate(root: Node) -> Scenario:
         return Scenario.model_validate(data)
     except ValidationError as error:
         details = error.errors(include_url=False)
-    faults = [(*_locate(root, detail["loc"]), detail) for detail in details]
+    faults = [(*_locate(root, detail), detail) for detail in _without_other_branches(root, details)]
     misspelt = {
         (path[:-1], near)
         for path, _, detail in faults
@@ -61,12 +67,47 @@ def check_version(root: Node) -> None:
     raise ProblemsError([Problem(node.mark, ("schema_version",), text)])
 
 
-def _locate(root: Node, loc: tuple[str | int, ...]) -> tuple[KeyPath, Node]:
+def _without_other_branches(root: Node, details: list[ErrorDetails]) -> Iterator[ErrorDetails]:
+    """One fault for each value of a union whose members no key tells apart, such as a number or a list.
+
+    Every member complains; the one that came furthest is the one that was meant.
+    """
+    furthest: dict[KeyPath, ErrorDetails] = {}
+    for detail in details:
+        union = _union(root, detail)
+        if union is None:
+            yield detail
+        elif union not in furthest or _reach(root, furthest[union]) < _reach(root, detail):
+            furthest[union] = detail
+    yield from furthest.values()
+
+
+def _reach(root: Node, detail: ErrorDetails) -> tuple[int, bool]:
+    """How far a member of a union read a value: into it, or at least past its type."""
+    return len(_locate(root, detail)[0]), not is_wrong_type(detail)
+
+
+def _union(root: Node, detail: ErrorDetails) -> KeyPath | None:
+    """The value at which a location goes on with the name of a member that no key tells; or None."""
+    node = root
+    path: KeyPath = ()
+    for part in detail["loc"]:
+        child = node.child(part)
+        if child is not None:
+            node, path = child, (*path, part)
+        elif isinstance(part, str) and part.partition("[")[0] in _MEMBERS:
+            return path
+    return None
+
+
+def _locate(root: Node, detail: ErrorDetails) -> tuple[KeyPath, Node]:
     """The key path of a pydantic location without the tags of unions, and the nearest node."""
+    loc, named = detail["loc"], detail["type"] in ("missing", "extra_forbidden")
     node, tagged = root, False
     path: KeyPath = ()
     for i, part in enumerate(loc):
-        if part == "[key]" or (isinstance(part, str) and part.startswith("<")):
+        written = named and i == len(loc) - 1
+        if part == "[key]" or (isinstance(part, str) and part.startswith("<") and not written):
             continue
         if isinstance(part, str) and not tagged and any(_is(node, key, part) for key in TAG_KEYS):
             tagged = True
@@ -74,7 +115,7 @@ def _locate(root: Node, loc: tuple[str | int, ...]) -> tuple[KeyPath, Node]:
         child = node.child(part)
         if child is not None:
             node, path, tagged = child, (*path, part), False
-        elif i == len(loc) - 1:
+        elif written:
             return (*path, part), node
     return path, node
 

@@ -27,7 +27,7 @@ class Render(Spec):
     view: Literal["xy", "xz", "yz", "iso"] = Field(default="iso", description="Where the camera looks from.")
     video: Literal["mp4", "gif", "none"] = Field(default="none", description="Film of the run.")
     still: bool = Field(default=False, description="A picture of the last frame.")
-    color_by: Literal["none", "speed"] | ColorField = Field(
+    color_by: Literal["none", "speed", ColorField] = Field(
         default="none",
         description="Field shown as colour; it must be among `fields` (`speed` needs velocity).",
     )

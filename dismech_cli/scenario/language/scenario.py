@@ -23,7 +23,9 @@ from .output import Output
 SCHEMA_VERSION: Final = 1
 
 # A name becomes a folder: no separators, no leading dot, no trailing dot, no device names.
-SafeName: TypeAlias = Annotated[str, Field(pattern=r"^[A-Za-z0-9_]([A-Za-z0-9._-]{0,98}[A-Za-z0-9_-])?$")]
+SafeName: TypeAlias = Annotated[
+    str, Field(max_length=100, pattern=r"^[A-Za-z0-9_]([A-Za-z0-9._-]*[A-Za-z0-9_-])?$")
+]
 Bodies: TypeAlias = Annotated[tuple[Body, ...], Len(1, 10_000), Strict(False)]
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Final
+from typing import Final, TypeAlias
 
 from .problems import Problem, ProblemsError
 from .tree import KeyPath, Mark, Node, Source, describe, format_path
@@ -15,10 +15,19 @@ _PART: Final = re.compile(r"(?P<dot>\.?)(?P<key>[A-Za-z_][A-Za-z0-9_-]*)|\[(?P<i
 _LOADER_KEYS: Final = ("include", "profiles")
 
 
-def apply_override(root: Node, argument: str) -> Node:
+Kinds: TypeAlias = Mapping[KeyPath, Mapping[str, str]]
+"""What tells the kind of a mapping, such as its ``type``, as its default has it, by key path."""
+
+
+def apply_override(root: Node, argument: str, kinds: Kinds) -> Node:
     """``root`` with the value that ``argument`` sets; missing mappings on the way are made.
 
     The value is read as in the file, so ``numerics.dt=5 ms`` and ``forces=[]`` both work.
+
+    Args:
+        root: The scenario.
+        argument: ``KEY=VALUE``.
+        kinds: Kinds of the mappings that may have to be made.
 
     Raises:
         ProblemsError: pointing into the argument if it cannot be applied.
@@ -31,7 +40,7 @@ def apply_override(root: Node, argument: str) -> Node:
     if path[0] in _LOADER_KEYS:
         raise _problem(source, 1, len(left), f"{path[0]!r} belongs to the file and cannot be set here")
     value = _value(source, len(left) + 1)
-    return _put(root, path, columns, 0, value)
+    return _put(root, path, columns, 0, value, kinds)
 
 
 def _parse_path(source: Source, text: str) -> tuple[KeyPath, list[int]]:
@@ -86,7 +95,7 @@ def _shifted(problem: Problem, source: Source, start: int) -> Problem:
     return replace(problem, mark=_shift(problem.mark, source, start))
 
 
-def _put(node: Node, path: KeyPath, columns: list[int], depth: int, value: Node) -> Node:
+def _put(node: Node, path: KeyPath, columns: list[int], depth: int, value: Node, kinds: Kinds) -> Node:
     """``node`` with ``value`` at ``path[depth:]``."""
     source, here = value.mark.source, path[depth]
     mark = Mark(source, 1, columns[depth], len(str(here)))
@@ -97,15 +106,16 @@ def _put(node: Node, path: KeyPath, columns: list[int], depth: int, value: Node)
         if here >= len(node.value):
             raise _at(mark, path[:depth], f"has no item {here}: it holds {len(node.value)}, counted from 0")
         items = list(node.value)
-        items[here] = value if last else _put(items[here], path, columns, depth + 1, value)
+        items[here] = value if last else _put(items[here], path, columns, depth + 1, value, kinds)
         return replace(node, value=tuple(items))
     if not isinstance(node.value, Mapping):
         raise _at(mark, path[:depth], f"not a mapping but {describe(node.value)}")
     if last:
         child = replace(value, key_mark=mark)
     else:
-        below = node.value.get(here) or Node({}, mark, mark)
-        child = _put(below, path, columns, depth + 1, value)
+        made = {key: Node(tag, mark, mark) for key, tag in kinds.get(path[: depth + 1], {}).items()}
+        below = node.value.get(here) or Node(made, mark, mark)
+        child = _put(below, path, columns, depth + 1, value, kinds)
     return replace(node, value={**node.value, here: child})
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated, Any, TypeAlias
+from typing import Annotated, Any, Final, TypeAlias
 
 from annotated_types import Len
 from pydantic import Field, GetCoreSchemaHandler, GetJsonSchemaHandler, Strict
@@ -14,6 +14,12 @@ from ...quantities import QuantityError, parse_quantity
 from ...units import KINDS, Kind
 from ..text.tree import describe
 from .spec import problem
+
+LARGEST: Final = 1e30
+"""Largest number of the language in SI units: the fourth power of a length, times a modulus, is finite."""
+
+SMALLEST: Final = 1e-40
+"""Smallest number, where it must be above zero: the fourth power of a length is above zero too."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,6 +60,9 @@ class Quantity:
         ):
             if broken:
                 raise problem(f"must be {words} {bound:g}, got {describe(value).strip(chr(39))}")
+        if self.gt == 0 and number < SMALLEST:
+            shown = describe(value).strip(chr(39))
+            raise problem(f"too small to compute with: {shown}; at least {SMALLEST:g} in SI units")
         return number
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
@@ -82,15 +91,23 @@ def to_si(value: object, kind: Kind) -> float:
         case bool():
             pass
         case int() | float():
-            return float(value)
+            return _computable(float(value), value)
         case str():
             try:
-                return parse_quantity(value, kind)
+                return _computable(parse_quantity(value, kind), value)
             except QuantityError as error:
                 raise problem(str(error)) from None
         case _:
             pass
     raise problem(f"expected {kind.phrase}, got {describe(value)}")
+
+
+def _computable(number: float, value: object) -> float:
+    """The number, refused where its powers would leave the range of floating-point numbers."""
+    if abs(number) > LARGEST:
+        shown = describe(value).strip(chr(39))
+        raise problem(f"too large to compute with: {shown}; at most {LARGEST:g} in SI units")
+    return number
 
 
 Ratio: TypeAlias = Annotated[float, Quantity("ratio")]
@@ -132,7 +149,7 @@ class FileReference:
 
 
 FileName: TypeAlias = Annotated[str, FileReference(), Field(min_length=1, max_length=1000)]
-Name: TypeAlias = Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_-]{0,63}$")]
+Name: TypeAlias = Annotated[str, Field(max_length=64, pattern=r"^[A-Za-z_][A-Za-z0-9_-]*$")]
 Index: TypeAlias = Annotated[int, Field(ge=0)]
 NodeCount: TypeAlias = Annotated[int, Field(ge=2, le=10_000_000)]
 Column: TypeAlias = str | Index

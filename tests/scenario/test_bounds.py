@@ -1,0 +1,93 @@
+"""Numbers and sizes beyond what can be computed or held: refused with their place in time."""
+
+from __future__ import annotations
+
+import pytest
+
+from dismech_cli.compose import sizes
+from dismech_cli.compose.compose import compose
+from dismech_cli.errors import ScenarioError
+from dismech_cli.scenario.load import load_text
+
+ROD = """
+schema_version: 1
+name: tiny
+materials: {rubber: {youngs_modulus: 2 MPa, poisson_ratio: 0.5, density: 1200}}
+geometry:
+  - {type: rod, name: arm, material: rubber, radius: 5 mm,
+     generate: {shape: line, from: [0, 0, 0], to: [0.3, 0, 0], nodes: 21}}
+motions: [{type: clamp, where: arm.start}]
+numerics: {dt: 5 ms, t_end: 0.5 s}
+output: {every: 5 ms}
+"""
+GIVEN = (
+    "{type: given, axial_stiffness: 1, bending_stiffness_1: 1, bending_stiffness_2: 1,"
+    " torsional_stiffness: 1, mass_per_length: 1, rotary_inertia_per_length: 1, radius: 1e200}"
+)
+
+
+def _fault(text: str, *overrides: str) -> str:
+    with pytest.raises(ScenarioError) as error:
+        compose(load_text(text, overrides=overrides))
+    return str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "place", "message"),
+    [
+        ("radius: 5 mm", "radius: 1e80", "geometry[0].radius", "too large to compute with: 1e+80"),
+        ("radius: 5 mm", "radius: 1e-320", "geometry[0].radius", "too small to compute with: 1e-320"),
+        ("radius: 5 mm", f"section: {GIVEN}", "geometry[0].section.radius", "too large to compute with"),
+        (
+            "radius: 5 mm",
+            "section: {type: tube, outer_radius: 1e80, inner_radius: 1 m}",
+            "geometry[0].section.outer_radius",
+            "too large to compute with",
+        ),
+        ("every: 5 ms", "every: 1e-320", "output.every", "too small to compute with"),
+        ("dt: 5 ms", "dt: 5e-324", "numerics.dt", "too small to compute with"),
+        ("dt: 5 ms", "dt: '1 ((Ts^9)^9)^9'", "numerics.dt", "too large or too small to compute with"),
+        ("dt: 5 ms", "dt: '1 1/((nHz^9)^9)'", "numerics.dt", "too large or too small to compute with"),
+        ("t_end: 0.5 s", "t_end: 1e6 s", "numerics.dt", "2e+08 steps to the end of the run"),
+        ("t_end: 0.5 s", "t_end: 1e9 s", "numerics.dt", "2e+11 steps to the end of the run"),
+        (
+            "arm.start",
+            "{nodes: {of: arm, range: [0, 4611686018427387904]}}",
+            "motions[0].where",
+            "node 4611686018427387904 of 'arm' does not exist; it has 21",
+        ),
+        (
+            "arm.start",
+            "{nodes: {of: arm, range: [1, 9223372036854775807]}}",
+            "motions[0].where",
+            "node 9223372036854775807 of 'arm' does not exist; it has 21",
+        ),
+        ("output:", '"<<": 1\noutput:', "<<", "unknown key"),
+    ],
+)
+def test_what_cannot_be_computed_or_held_has_a_place(old: str, new: str, place: str, message: str) -> None:
+    assert old in ROD
+    first = _fault(ROD.replace(old, new)).splitlines()[0]
+    assert f": {place}: " in first
+    assert message in first
+
+
+def test_ranges_of_nodes_include_both_ends() -> None:
+    text = ROD.replace("arm.start", "{nodes: {of: arm, range: [0, 20]}}")
+    model = compose(load_text(text)).simulation.model
+    assert sum(len(motion.dofs) for motion in model.motions) >= 3 * 21
+
+
+def test_a_scene_larger_than_the_machine_is_refused_with_its_place(monkeypatch: pytest.MonkeyPatch) -> None:
+    sheet = (
+        "{type: shell, name: sheet, material: rubber, thickness: 1 mm, generate: "
+        "{shape: sheet, origin: [0, 0, 1], length: 1, width: 1, divisions: 40}}"
+    )
+    text = ROD.replace("motions:", f"  - {sheet}\nmotions:")
+    needed = sizes.memory(20, 3720, 3)
+    monkeypatch.setattr(sizes, "machine_memory", lambda: 0.5 * needed)
+    first = _fault(text).splitlines()[0]
+    assert first.startswith("<text>:8:5: geometry[1]: the scene has 20 edges and ")
+    assert "make the mesh coarser" in first
+    monkeypatch.setattr(sizes, "machine_memory", lambda: 2.0 * needed)
+    compose(load_text(text))
