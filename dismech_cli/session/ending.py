@@ -52,11 +52,14 @@ def conclude(
             return Ending(_pause_code(limits, outcome, stop), message)
         case End.DONE:
             verdicts = judge(scenario.expect, outcome)
-            missed = ", ".join(v.name for v in verdicts if not v.passed)
+            missed = [v for v in verdicts if not v.passed]
             if not missed:
                 return Ending(Exit.DONE, "", verdicts)
-            narrator.error(f"expectation missed: {missed}")
-            return Ending(Exit.EXPECTATION, f"missed: {missed}", verdicts)
+            for verdict in missed:
+                narrator.warn(str(verdict))
+            names = ", ".join(verdict.name for verdict in missed)
+            narrator.error(f"expectation missed: {names}")
+            return Ending(Exit.EXPECTATION, f"missed: {names}", verdicts)
 
 
 def _pause_code(limits: Limits, outcome: Outcome, stop: StopRequest) -> int:
