@@ -10,9 +10,9 @@ from typing import Any, NoReturn
 
 import typer
 
-from ..errors import DismechError
+from ..errors import DismechError, OutputError
 from ..session.exit_codes import Exit
-from .console import ClosedPipeError, Console
+from .console import ClosedPipeError, Console, emit
 
 # The base of all usage errors: the module that defines it differs between versions of Typer.
 _UsageError: Any = typer.BadParameter.__base__
@@ -40,21 +40,55 @@ def leave(app: typer.Typer, arguments: Sequence[str] | None) -> NoReturn:
 
 
 def exit_code(app: typer.Typer, arguments: Sequence[str] | None) -> int:
-    """Run ``app``; tell the user about any failure on stderr and return its code."""
-    console = Console()
+    """Run ``app``; tell the user about any failure on stderr and return its code.
+
+    Where the result was to be JSON, a failure is JSON on stdout as well.
+    """
+    given = sys.argv[1:] if arguments is None else arguments
     try:
         return app(args=arguments, prog_name="dismech", standalone_mode=False) or Exit.DONE
-    except _UsageError as error:
-        error.show()
-        return Exit.INPUT
-    except DismechError as error:
-        console.error(str(error))
-        return error.exit_code
     except (ClosedPipeError, BrokenPipeError):
         return Exit.CLOSED_PIPE
-    except (KeyboardInterrupt, typer.Abort):
-        return Exit.INTERRUPTED
-    except Exception:
-        traceback.print_exc()
-        console.error("this is a bug in dismech: please report it with the lines above and the scenario")
-        return Exit.BUG
+    except Exception as error:
+        code = _tell(error)
+        return code if "--json" not in given else _as_json(error, code)
+    except KeyboardInterrupt as error:
+        return Exit.INTERRUPTED if "--json" not in given else _as_json(error, Exit.INTERRUPTED)
+
+
+def _tell(error: Exception) -> int:
+    """Say on stderr what went wrong; the code of it."""
+    console = Console()
+    match error:
+        case _UsageError():
+            error.show()
+            return Exit.INPUT
+        case DismechError():
+            console.error(str(error))
+            return error.exit_code
+        case typer.Abort():
+            return Exit.INTERRUPTED
+        case _:
+            traceback.print_exception(error)
+            console.error("this is a bug in dismech: please report it with the lines above and the scenario")
+            return Exit.BUG
+
+
+def _as_json(error: BaseException, code: int) -> int:
+    """Print a failure for programs; a reader that went away has its own code."""
+    from ..output.jsonable import dumps
+    from ..session.faults import fault, faults
+
+    match error:
+        case _UsageError():
+            errors = [fault(error.format_message())]
+        case _:
+            errors = faults(error)
+    status = "interrupted" if code == Exit.INTERRUPTED else "failed"
+    try:
+        emit(dumps({"status": status, "exit_code": int(code), "errors": errors}, indent=2))
+    except ClosedPipeError:
+        return Exit.CLOSED_PIPE
+    except OutputError:
+        return code
+    return code

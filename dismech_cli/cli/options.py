@@ -103,6 +103,13 @@ WallLimit = Annotated[
         show_default=False,
     ),
 ]
+NoRender = Annotated[
+    bool, typer.Option("--no-render", help="Draw no pictures, whatever the scenario asks for.")
+]
+JUnit = Annotated[
+    Path | None,
+    typer.Option("--junit", metavar="FILE", help="Write the verdicts as JUnit XML.", show_default=False),
+]
 Progress = Annotated[Shown, typer.Option("--progress", help="How progress is shown.")]
 Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="Only warnings, errors and the run directory.")]
 Verbose = Annotated[bool, typer.Option("-v", "--verbose", help="The plan with its reasons, and every event.")]

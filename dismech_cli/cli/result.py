@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from dataclasses import asdict
 
-from ..output.jsonable import dumps
+from ..output.jsonable import Json, dumps
 from ..output.manifest import Manifest
 from ..quantities import with_unit
 from ..session.drawing import Finished
+from ..session.faults import fault
 from ..session.verdicts import Verdict
 from .console import QUIET, emit
 from .tables import table
@@ -45,9 +46,19 @@ def _as_json(finished: Finished) -> dict[str, object]:
         "message": manifest.message,
         "counters": manifest.counters,
         "seconds": manifest.seconds,
+        "errors": faults_of(record.ending.code, manifest.message),
         "expectations": [asdict(verdict) for verdict in record.ending.verdicts],
+        "probes": {name: record.scalars[name] for name in record.probes if name in record.scalars},
+        "energy_error": record.scalars.get("error"),
+        "overrides": manifest.overrides,
+        "versions": manifest.versions,
         "pictures": [str(file) for file in finished.pictures],
     }
+
+
+def faults_of(code: int, message: str) -> list[dict[str, Json]]:
+    """The message of a run that did not end well, as a fault."""
+    return [fault(message)] if code else []
 
 
 def _summary(manifest: Manifest) -> str:

@@ -82,6 +82,7 @@ class Manifest:
         threads: Thread settings of the environment.
         hashes: SHA-256 by input file.
         changes: What was changed while the run was under way, each with the time from which on.
+        overrides: ``KEY=VALUE`` texts that changed the scenario.
         plan: The plan as the user is shown it.
         counters: Steps, Newton iterations, factorisations, rejected steps, ...
         seconds: Wall time by phase [s].
@@ -100,6 +101,7 @@ class Manifest:
     threads: Mapping[str, str] = field(default_factory=thread_settings)
     hashes: Mapping[str, str] = field(default_factory=dict)
     changes: tuple[str, ...] = ()
+    overrides: tuple[str, ...] = ()
     plan: str = ""
     counters: Mapping[str, int] = field(default_factory=dict)
     seconds: Mapping[str, float] = field(default_factory=dict)
@@ -128,8 +130,8 @@ def load_manifest(run_dir: Path) -> Manifest:
         content: dict[str, Json] = json.loads(text)
         known = {entry.name for entry in fields(Manifest)}
         arguments = {key: value for key, value in content.items() if key in known}
-        arguments["argv"] = tuple(content.get("argv", ()))  # type: ignore[arg-type]
-        arguments["changes"] = tuple(content.get("changes", ()))  # type: ignore[arg-type]
+        for name in ("argv", "changes", "overrides"):
+            arguments[name] = tuple(content.get(name, ()))  # type: ignore[arg-type]
         return Manifest(**arguments)  # type: ignore[arg-type]
     except (ValueError, TypeError, AttributeError) as error:
         raise OutputError(f"cannot read {path}: it is damaged ({error})") from error

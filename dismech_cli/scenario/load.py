@@ -53,6 +53,7 @@ class LoadedScenario:
         path: The file, resolved; for a text or a mapping, a name in ``directory`` that no file has.
         directory: Its folder: names of files in the scenario start here.
         profile: Profile asked for, or None.
+        overrides: ``KEY=VALUE`` texts that were applied.
         provenance: Value, unit and origin of each leaf by key path, such as ``numerics.dt``.
         warnings: Implausible values, each with its place.
         text_hash: SHA-256 of the resolved content.
@@ -63,6 +64,7 @@ class LoadedScenario:
     path: Path
     directory: Path
     profile: str | None
+    overrides: tuple[str, ...]
     provenance: Mapping[str, Provenance]
     warnings: tuple[str, ...]
     text_hash: str
@@ -207,6 +209,7 @@ def _load(written: Node, origin: _Origin, overrides: Sequence[str], profile: str
         path=origin.path,
         directory=directory,
         profile=profile,
+        overrides=tuple(overrides),
         provenance=trace(scenario, merged),
         warnings=tuple(_problem(merged, *doubt).line() for doubt in doubts(scenario)),
         text_hash=text_hash(scenario),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from ..compose.compose import Composition
@@ -19,7 +19,7 @@ from ..scenario.load import LoadedScenario
 from .ending import Ending, conclude
 from .exit_codes import code_of
 from .narrator import Narrator
-from .sinks import Several, Telling
+from .sinks import Latest, Several, Telling
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -58,12 +58,16 @@ class Record:
         manifest: As saved.
         ending: How it ended.
         outcome: What this process stepped; None if it stepped nothing or was stopped at once.
+        scalars: Scalars of the last frame that this process wrote; probes are among them.
+        probes: Names of the probes.
     """
 
     run_dir: Path
     manifest: Manifest
     ending: Ending
     outcome: Outcome | None = None
+    scalars: Mapping[str, float] = field(default_factory=dict)
+    probes: tuple[str, ...] = ()
 
 
 def conduct(session: Session, stop: StopRequest) -> Record:
@@ -74,8 +78,9 @@ def conduct(session: Session, stop: StopRequest) -> Record:
     """
     run_dir, narrator = session.run_dir, session.narrator
     recorder = Recorder(run_dir, session.loaded.scenario.output.writers, session.identity)
+    latest = Latest()
     try:
-        outcome = _run(session, recorder, stop)
+        outcome = _run(session, recorder, latest, stop)
         recorder.close()
     except KeyboardInterrupt:
         _abandon(recorder)
@@ -97,10 +102,17 @@ def conduct(session: Session, stop: StopRequest) -> Record:
         advice=_advice(run_dir, outcome.remedy),
     )
     manifest = _ended(session, outcome.end.value, ending, outcome)
-    return Record(run_dir=run_dir, manifest=manifest, ending=ending, outcome=outcome)
+    return Record(
+        run_dir=run_dir,
+        manifest=manifest,
+        ending=ending,
+        outcome=outcome,
+        scalars=latest.scalars,
+        probes=tuple(session.composition.simulation.probes),
+    )
 
 
-def _run(session: Session, recorder: Recorder, stop: StopRequest) -> Outcome:
+def _run(session: Session, recorder: Recorder, latest: Latest, stop: StopRequest) -> Outcome:
     simulation = session.composition.simulation
     resume_at = None if session.checkpoint is None else session.checkpoint.t
     versions = {f"version.{name}": text for name, text in session.manifest.versions.items()}
@@ -108,7 +120,7 @@ def _run(session: Session, recorder: Recorder, stop: StopRequest) -> Outcome:
     recorder.open(simulation.topology, metadata, resume_at)
     return run(
         simulation,
-        Several((recorder, *session.sinks, Telling(session.narrator))),
+        Several((recorder, latest, *session.sinks, Telling(session.narrator))),
         limits=session.limits,
         stop=stop,
         resume_from=session.checkpoint,

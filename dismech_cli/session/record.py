@@ -61,6 +61,7 @@ def record(
             run_id=run_dir.name,
             versions=versions,
             hashes=_hashes(loaded, inputs),
+            overrides=loaded.overrides,
             plan=str(prepared.composition.plan),
             seconds=prepared.seconds,
         )

@@ -26,7 +26,14 @@ from .narrator import Narrator
 from .pause import Pause
 
 
-def proceed(run_dir: Path, pause: Pause, narrator: Narrator, overrides: tuple[str, ...] = ()) -> Finished:
+def proceed(
+    run_dir: Path,
+    pause: Pause,
+    narrator: Narrator,
+    overrides: tuple[str, ...] = (),
+    *,
+    draw: bool = True,
+) -> Finished:
     """Continue the run in ``run_dir``; a finished one is returned as it is, unless it gets a later end.
 
     Args:
@@ -34,6 +41,7 @@ def proceed(run_dir: Path, pause: Pause, narrator: Narrator, overrides: tuple[st
         pause: When to pause; a time beyond the end of the run is its new end.
         narrator: Told what happens.
         overrides: ``KEY=VALUE`` texts that hold from here on.
+        draw: Whether the pictures that the scenario asks for are drawn.
 
     Raises:
         ScenarioError: The directory holds no run, its checkpoint is of another scenario, or a change would
@@ -84,7 +92,7 @@ def proceed(run_dir: Path, pause: Pause, narrator: Narrator, overrides: tuple[st
             narrator=logged,
         )
         record = conduct(session, stop)
-    return draw_asked(record, later.scenario.output.render, narrator)
+    return draw_asked(record, later.scenario.output.render, narrator) if draw else Finished(record)
 
 
 def _scenario(run_dir: Path) -> LoadedScenario:

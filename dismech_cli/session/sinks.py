@@ -36,6 +36,26 @@ class Memory:
         """Say nothing."""
 
 
+@dataclass(slots=True)
+class Latest:
+    """Keeps the scalars of the last frame."""
+
+    scalars: Mapping[str, float] = field(default_factory=dict)
+
+    def frame(self, frame: Frame) -> None:
+        """Keep its scalars."""
+        self.scalars = dict(frame.scalars)
+
+    def event(self, kind: str, t: float, **details: object) -> None:
+        """Do nothing."""
+
+    def checkpoint(self, arrays: Arrays, numbers: Numbers) -> None:
+        """Do nothing."""
+
+    def progress(self, progress: Progress) -> None:
+        """Do nothing."""
+
+
 @dataclass(frozen=True, slots=True)
 class Telling:
     """Tells a narrator."""

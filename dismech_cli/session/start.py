@@ -30,6 +30,7 @@ class Start:
         allow_outside: Whether files may lie outside the folder of the scenario.
         output: The run directory; None makes a new one under ``results``.
         overwrite: Whether the run in ``output`` may be replaced.
+        draw: Whether the pictures that the scenario asks for are drawn.
         pause: When to pause.
     """
 
@@ -39,6 +40,7 @@ class Start:
     allow_outside: bool
     output: Path | None
     overwrite: bool
+    draw: bool
     pause: Pause
 
 
@@ -72,7 +74,7 @@ def start(request: Start, narrator: Narrator) -> Finished:
     run_dir = _directory(request, loaded)
     with stop_on_signals() as stop:
         done = record(prepared, run_dir, stop, narrator)
-    return draw_asked(done, loaded.scenario.output.render, narrator)
+    return draw_asked(done, loaded.scenario.output.render, narrator) if request.draw else Finished(done)
 
 
 def _directory(request: Start, loaded: LoadedScenario) -> Path:

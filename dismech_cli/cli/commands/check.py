@@ -33,6 +33,7 @@ def check(
     from ...errors import DismechError
     from ...output.jsonable import Json, dumps
     from ...session.exit_codes import Exit
+    from ...session.faults import faults
     from ...session.inspect import inspect
     from ..console import Console, emit
 
@@ -49,7 +50,7 @@ def check(
             )
         except DismechError as error:
             console.error(str(error))
-            found.append({"scenario": str(path), "ok": False, "error": str(error)})
+            found.append({"scenario": str(path), "ok": False, "error": str(error), "errors": faults(error)})
             bad += 1
             continue
         found.append(finding.as_json())

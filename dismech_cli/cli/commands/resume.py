@@ -20,6 +20,8 @@ def resume(
     overrides: options.Set = None,
     checkpoint_every: options.CheckpointEvery = 60.0,
     wall_limit: options.WallLimit = None,
+    no_render: options.NoRender = False,
+    junit: options.JUnit = None,
     json: options.Json = False,
     progress: options.Progress = options.Shown.AUTO,
     quiet: options.Quiet = False,
@@ -29,10 +31,15 @@ def resume(
     use_threads_of(run_dir)
     from ...session.pause import Pause
     from ...session.resume import proceed
+    from ..junit import failures_in_junit, write_junit
     from ..result import show
 
-    with options.narrator(progress, quiet, verbose) as console:
-        finished = proceed(
-            run_dir, Pause(until, wall_limit, checkpoint_every), console, tuple(overrides or ())
-        )
+    with (
+        options.narrator(progress, quiet, verbose) as console,
+        failures_in_junit(junit, run_dir.name),
+    ):
+        pause = Pause(until, wall_limit, checkpoint_every)
+        finished = proceed(run_dir, pause, console, tuple(overrides or ()), draw=not no_render)
+    if junit is not None:
+        write_junit(junit, finished)
     return show(finished, json, console.level)

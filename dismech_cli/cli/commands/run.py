@@ -40,6 +40,8 @@ def run(
         bool, typer.Option("--deterministic", help="The same bits on every run of this machine.")
     ] = False,
     allow_outside: options.AllowOutside = False,
+    no_render: options.NoRender = False,
+    junit: options.JUnit = None,
     json: options.Json = False,
     progress: options.Progress = options.Shown.AUTO,
     quiet: options.Quiet = False,
@@ -53,6 +55,7 @@ def run(
     use_threads(threads, deterministic)
     from ...session.pause import Pause
     from ...session.start import Start, start
+    from ..junit import failures_in_junit, write_junit
     from ..result import show
 
     request = Start(
@@ -62,8 +65,14 @@ def run(
         allow_outside=allow_outside,
         output=output,
         overwrite=overwrite,
+        draw=not no_render,
         pause=Pause(until, wall_limit, checkpoint_every),
     )
-    with options.narrator(progress, quiet, verbose) as console:
+    with (
+        options.narrator(progress, quiet, verbose) as console,
+        failures_in_junit(junit, scenario.stem),
+    ):
         finished = start(request, console)
+    if junit is not None:
+        write_junit(junit, finished)
     return show(finished, json, console.level)

@@ -160,8 +160,7 @@ def _held_motions(geometry: Geometry, holds: tuple[Hold, ...], member: IntArray,
     """Number of rigid motions of the member nodes that the holds leave none of."""
     nodes = np.flatnonzero(member)
     middle = geometry.nodes[nodes].mean(axis=0)
-    # zero far from the origin, where a small body is one point to rounding
-    size = float(np.linalg.norm(geometry.nodes[nodes] - middle, axis=1).max()) or 1.0
+    size = float(np.linalg.norm(geometry.nodes[nodes] - middle, axis=1).max())
     rows: list[FloatArray] = []
     for hold in holds:
         held = np.intersect1d(hold.nodes, nodes)

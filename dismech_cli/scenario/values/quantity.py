@@ -120,7 +120,9 @@ Frequency: TypeAlias = Annotated[float, Quantity("frequency", gt=0)]
 
 # Variable-length tuples with a length rule: editors understand their JSON Schema.
 Triple: TypeAlias = Annotated[tuple[Ratio, ...], Len(3, 3), Strict(False)]
-LengthTriple: TypeAlias = Annotated[tuple[Length, ...], Len(3, 3), Strict(False)]
+# Farther out, rounding leaves nothing of a robot's shape; that of meshes is the same.
+Coordinate: TypeAlias = Annotated[float, Quantity("length", ge=-1e12, le=1e12)]
+LengthTriple: TypeAlias = Annotated[tuple[Coordinate, ...], Len(3, 3), Strict(False)]
 VelocityTriple: TypeAlias = Annotated[
     tuple[Annotated[float, Quantity("velocity")], ...], Len(3, 3), Strict(False)
 ]

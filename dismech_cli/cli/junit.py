@@ -1,0 +1,66 @@
+"""A run as JUnit XML, which continuous integration shows: one test case for the run, one per expectation."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from xml.etree.ElementTree import Element, SubElement, tostring
+
+from ..errors import DismechError
+from ..output.durable import write_bytes
+from ..session.drawing import Finished
+from ..session.exit_codes import Exit
+
+
+def write_junit(file: Path, finished: Finished) -> None:
+    """Write how a run ended.
+
+    Raises:
+        OutputError: If the file cannot be written.
+    """
+    manifest, ending = finished.record.manifest, finished.record.ending
+    suite = Element("testsuite", name=manifest.name)
+    run = _case(suite, manifest.name, "run", manifest.seconds.get("total", 0.0))
+    if ending.code not in (Exit.DONE, Exit.EXPECTATION):
+        _fault(run, "error", ending.message)
+    for verdict in ending.verdicts:
+        case = _case(suite, manifest.name, verdict.name, 0.0)
+        if not verdict.passed:
+            _fault(case, "failure", str(verdict))
+    _write(file, suite)
+
+
+@contextmanager
+def failures_in_junit(file: Path | None, name: str) -> Iterator[None]:
+    """Write a failure inside the block to ``file``, if there is one, and pass it on."""
+    try:
+        yield
+    except DismechError as error:
+        if file is not None:
+            suite = Element("testsuite", name=name)
+            _fault(_case(suite, name, "run", 0.0), "error", str(error))
+            _write(file, suite)
+        raise
+
+
+def _case(suite: Element, scenario: str, name: str, seconds: float) -> Element:
+    return SubElement(suite, "testcase", classname=scenario, name=name, time=f"{seconds:.3f}")
+
+
+def _fault(case: Element, kind: str, message: str) -> None:
+    plain = _printable(message)
+    SubElement(case, kind, message=plain.partition("\n")[0]).text = plain
+
+
+def _printable(text: str) -> str:
+    """XML 1.0 has no control characters."""
+    return "".join(c if c in "\t\n" or c.isprintable() else "?" for c in text)
+
+
+def _write(file: Path, suite: Element) -> None:
+    cases = list(suite)
+    suite.set("tests", str(len(cases)))
+    for key, kind in (("failures", "failure"), ("errors", "error")):
+        suite.set(key, str(sum(case.find(kind) is not None for case in cases)))
+    write_bytes(file, tostring(suite, encoding="utf-8", xml_declaration=True) + b"\n")
