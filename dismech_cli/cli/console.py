@@ -31,6 +31,8 @@ def emit(text: str) -> None:
         ClosedPipeError: If nobody reads it.
         OutputError: If it cannot be written, as to a file on a full disk.
     """
+    if sys.stdout is None:
+        raise OutputError("cannot write to standard output: it is closed")
     try:
         print(text, flush=True)
     except BrokenPipeError:

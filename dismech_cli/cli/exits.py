@@ -20,9 +20,11 @@ _UsageError: Any = typer.BadParameter.__base__
 
 def leave(app: typer.Typer, arguments: Sequence[str] | None) -> NoReturn:
     """Run ``app`` and end the process."""
+    _open_closed_streams()
     code = exit_code(app, arguments)
     try:
-        sys.stdout.flush()
+        if sys.stdout is not None:
+            sys.stdout.flush()
     except BrokenPipeError:
         code = Exit.CLOSED_PIPE
     except OSError as error:
@@ -37,6 +39,15 @@ def leave(app: typer.Typer, arguments: Sequence[str] | None) -> NoReturn:
         sys.stderr.flush()
         os._exit(code)
     sys.exit(code)
+
+
+def _open_closed_streams() -> None:
+    """Keep the numbers of closed streams from files opened later, which would be taken for the streams."""
+    for number in range(3):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)
 
 
 def exit_code(app: typer.Typer, arguments: Sequence[str] | None) -> int:

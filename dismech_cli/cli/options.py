@@ -32,6 +32,13 @@ def duration(text: str | float) -> float:
     return seconds
 
 
+def folder(text: str | Path) -> Path:
+    """A folder; no text is none, not the folder one is in."""
+    if not str(text).strip():
+        raise typer.BadParameter("expected the name of a folder, got nothing")
+    return Path(text)
+
+
 def size(text: str) -> tuple[int, int]:
     """Width and height of ``1280x720``."""
     match = _SIZE.fullmatch(text.strip())

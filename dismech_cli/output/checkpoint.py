@@ -9,6 +9,7 @@ from __future__ import annotations
 import hashlib
 import io
 import json
+import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
@@ -23,6 +24,7 @@ from .jsonable import Json
 _META = "__meta__"
 _DIGEST = "__sha256__"
 _KEPT = 2
+_NAME = re.compile(r"checkpoint-\d{6}\.npz")
 
 Arrays = Mapping[str, NDArray[Any]]
 
@@ -116,7 +118,10 @@ def load(path: Path) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
 
 
 def _newest_first(folder: Path) -> list[Path]:
-    return sorted(folder.glob("checkpoint-[0-9]*.npz"), reverse=True)
+    """The checkpoints of a folder; other files in it, such as copies by hand, are left alone."""
+    return sorted(
+        (file for file in folder.glob("checkpoint-*.npz") if _NAME.fullmatch(file.name)), reverse=True
+    )
 
 
 def _digest(arrays: Arrays, text: bytes) -> str:

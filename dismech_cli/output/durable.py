@@ -109,17 +109,27 @@ def write_fully(file: IO[bytes], data: bytes) -> None:
         rest = rest[file.write(rest) :]
 
 
-def size_up_to(lines: Iterable[bytes], t: float, time_of: Callable[[bytes], float]) -> int:
+def size_up_to(path: Path, lines: Iterable[bytes], t: float, time_of: Callable[[bytes], float]) -> int:
     """Bytes of the whole lines, in order of time, up to a time.
 
     Args:
-        lines: Of a file, each with its line end; the last may be cut.
+        path: The file, for messages.
+        lines: Of the file, each with its line end; the last may be cut.
         t: The time [s].
         time_of: The time of a whole line [s].
+
+    Raises:
+        OutputError: If a whole line has no time.
     """
     size = 0
-    for line in lines:
-        if not line.endswith(b"\n") or time_of(line) > t:
+    for number, line in enumerate(lines, start=1):
+        if not line.endswith(b"\n"):
+            break
+        try:
+            late = time_of(line) > t
+        except (ValueError, TypeError, LookupError) as error:
+            raise OutputError(f"cannot go on with {path}: line {number} is damaged") from error
+        if late:
             break
         size += len(line)
     return size

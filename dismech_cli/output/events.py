@@ -6,6 +6,7 @@ import json
 import os
 from pathlib import Path
 
+from ..errors import OutputError
 from .durable import output_errors, size_up_to, write_fully
 from .jsonable import Json, dumps
 
@@ -24,7 +25,7 @@ class EventLog:
         with output_errors(path, "open"):
             if resume_at is not None and path.exists():
                 with path.open("rb") as file:
-                    size = size_up_to(file, resume_at, lambda line: float(json.loads(line)["t"]))
+                    size = size_up_to(path, file, resume_at, lambda line: float(json.loads(line)["t"]))
                 os.truncate(path, size)
             self._file = path.open("ab", buffering=0)
 
@@ -55,5 +56,11 @@ def read_events(path: Path) -> list[dict[str, Json]]:
         OutputError: If the file cannot be read.
     """
     with output_errors(path, "read"):
-        text = path.read_text(encoding="utf-8")
-    return [json.loads(line) for line in text[: text.rfind("\n") + 1].splitlines()]
+        data = path.read_bytes()
+    events = []
+    for number, line in enumerate(data[: data.rfind(b"\n") + 1].splitlines(), start=1):
+        try:
+            events.append(json.loads(line))
+        except ValueError as error:
+            raise OutputError(f"cannot read {path}: line {number} is damaged") from error
+    return events

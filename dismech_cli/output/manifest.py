@@ -11,7 +11,7 @@ from dataclasses import asdict, dataclass, field, fields
 from datetime import UTC, datetime
 from importlib import import_module, metadata
 from pathlib import Path
-from typing import Literal
+from typing import Literal, get_args
 
 from ..errors import OutputError
 from .durable import output_errors, write_bytes
@@ -125,13 +125,33 @@ def load_manifest(run_dir: Path) -> Manifest:
     """
     path = run_dir / FILE_NAME
     with output_errors(path, "read"):
-        text = path.read_text(encoding="utf-8")
+        data = path.read_bytes()
     try:
-        content: dict[str, Json] = json.loads(text)
+        content: dict[str, Json] = json.loads(data)
         known = {entry.name for entry in fields(Manifest)}
         arguments = {key: value for key, value in content.items() if key in known}
         for name in ("argv", "changes", "overrides"):
             arguments[name] = tuple(content.get(name, ()))  # type: ignore[arg-type]
-        return Manifest(**arguments)  # type: ignore[arg-type]
+        return _sound(Manifest(**arguments))  # type: ignore[arg-type]
     except (ValueError, TypeError, AttributeError) as error:
         raise OutputError(f"cannot read {path}: it is damaged ({error})") from error
+
+
+def _sound(manifest: Manifest) -> Manifest:
+    """The manifest, whose entries are of the kinds that they should be.
+
+    Raises:
+        TypeError: naming the first that is not.
+    """
+    numbers = (*manifest.counters.values(), *manifest.seconds.values())
+    for name, sound in (
+        ("status", manifest.status in get_args(Status)),
+        ("exit_code", manifest.exit_code is None or type(manifest.exit_code) is int),
+        ("message", isinstance(manifest.message, str)),
+        ("counters and seconds", all(isinstance(number, int | float) for number in numbers)),
+        ("versions", isinstance(manifest.versions, Mapping)),
+        ("threads", isinstance(manifest.threads, Mapping)),
+    ):
+        if not sound:
+            raise TypeError(f"its {name} makes no sense")
+    return manifest

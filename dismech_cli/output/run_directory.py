@@ -13,6 +13,7 @@ from typing import IO, Self
 from ..errors import OutputError
 from .durable import output_errors
 from .manifest import FILE_NAME as MANIFEST
+from .manifest import load_manifest
 
 RUN_FILE = "run.vtkhdf"
 SCALARS_FILE = "scalars.csv"
@@ -24,6 +25,7 @@ RENDER_FOLDER = "render"
 
 _NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,99}")
 _LOCK_FILE = ".lock"
+_LEFT_OVER = re.compile(r"\.lock|\.manifest\.\d+\.json")
 
 
 def create(results: Path, name: str, digest: str) -> Path:
@@ -67,7 +69,7 @@ def create_at(run_dir: Path) -> Path:
     """
     with output_errors(run_dir, "create"):
         run_dir.mkdir(parents=True, exist_ok=True)
-        if any(run_dir.iterdir()):
+        if not _is_unused(run_dir):
             raise OutputError(f"cannot write into {run_dir}: it is not empty; choose another or --overwrite")
     return run_dir
 
@@ -79,9 +81,8 @@ def replace_at(run_dir: Path) -> Path:
         OutputError: If it holds something that is not a run, is in use, or cannot be replaced.
     """
     with output_errors(run_dir, "overwrite"):
-        if run_dir.is_dir() and any(run_dir.iterdir()):
-            if not (run_dir / MANIFEST).is_file():
-                raise OutputError(f"cannot overwrite {run_dir}: it has no {MANIFEST}, so it is not a run")
+        if run_dir.is_dir() and not _is_unused(run_dir):
+            _refuse_other(run_dir)
             with RunLock(run_dir):
                 for entry in run_dir.iterdir():
                     if entry.is_dir() and not entry.is_symlink():
@@ -90,6 +91,26 @@ def replace_at(run_dir: Path) -> Path:
                         entry.unlink()
         run_dir.mkdir(parents=True, exist_ok=True)
     return run_dir
+
+
+def _is_unused(run_dir: Path) -> bool:
+    """Whether nothing is in a folder but what a run leaves that is killed before it has a manifest."""
+    return all(_LEFT_OVER.fullmatch(entry.name) and entry.is_file() for entry in run_dir.iterdir())
+
+
+def _refuse_other(run_dir: Path) -> None:
+    """Refuse a folder that is no run of this program: other programs have a manifest of that name too.
+
+    Raises:
+        OutputError: Always for such a folder.
+    """
+    if not (run_dir / MANIFEST).is_file():
+        raise OutputError(f"cannot overwrite {run_dir}: it has no {MANIFEST}, so it is not a run")
+    if not (run_dir / SCENARIO_FILE).is_file():
+        try:
+            load_manifest(run_dir)
+        except OutputError as error:
+            raise OutputError(f"cannot overwrite {run_dir}: its {MANIFEST} is not that of a run") from error
 
 
 class RunLock:

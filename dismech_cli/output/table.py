@@ -99,7 +99,7 @@ def _kept(path: Path, header: bytes, t: float) -> int:
     with path.open("rb") as file:
         if file.readline() != header:
             raise OutputError(f"cannot resume {path}: its header is not '{header.decode().strip()}'")
-        return len(header) + size_up_to(file, t, lambda line: float(line.split(b",", 1)[0]))
+        return len(header) + size_up_to(path, file, t, lambda line: float(line.split(b",", 1)[0]))
 
 
 def read_table(path: Path) -> tuple[dict[str, FloatArray], dict[str, str]]:

@@ -1,4 +1,4 @@
-"""Ctrl-C and SIGTERM: finish the step, keep a checkpoint, then stop; a second Ctrl-C stops at once."""
+"""Ctrl-C, SIGTERM, a closed terminal: finish the step, keep a checkpoint, stop; a second stops at once."""
 
 from __future__ import annotations
 
@@ -34,12 +34,15 @@ class StopRequest:
 
 @contextmanager
 def stop_on_signals() -> Iterator[StopRequest]:
-    """Catch SIGINT and SIGTERM inside the block; does nothing outside the main thread."""
+    """Catch SIGINT, SIGTERM and SIGHUP inside the block; does nothing outside the main thread."""
     request = StopRequest()
     if threading.current_thread() is not threading.main_thread():
         yield request
         return
-    numbers = (signal.SIGINT, signal.SIGTERM)
+    numbers = [signal.SIGINT, signal.SIGTERM]
+    # not on every system; ignored where a terminal is meant to be closed, as by nohup
+    if hangup := getattr(signal, "SIGHUP", None):
+        numbers += [hangup] if signal.getsignal(hangup) is not signal.SIG_IGN else []
     before = [signal.signal(number, request.handle) for number in numbers]
     try:
         yield request

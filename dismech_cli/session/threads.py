@@ -31,7 +31,8 @@ def use_threads(threads: int | None, deterministic: bool) -> None:
 
 def use_threads_of(run_dir: Path) -> None:
     """Set what a run was started with, so that its continuation gives the same bits."""
-    with contextlib.suppress(OSError, ValueError, AttributeError):
+    # what is damaged is told by whoever reads the whole manifest
+    with contextlib.suppress(OSError, ValueError, TypeError, LookupError):
         recorded = json.loads((run_dir / _MANIFEST).read_text(encoding="utf-8"))["threads"]
         for name in (*COUNTS, REPRODUCIBLE):
             if name in recorded:

@@ -23,7 +23,14 @@ def run(
     scenario: options.Scenario,
     output: Annotated[
         Path | None,
-        typer.Option("-o", "--output", metavar="DIR", help="The run directory itself.", show_default=False),
+        typer.Option(
+            "-o",
+            "--output",
+            metavar="DIR",
+            parser=options.folder,
+            help="The run directory itself.",
+            show_default=False,
+        ),
     ] = None,
     overrides: options.Set = None,
     profile: options.ProfileOption = None,
