@@ -20,11 +20,31 @@ def _schema() -> dict[str, Any]:
 
 def known_keys(data: Any, path: KeyPath) -> list[str]:
     """Keys that the schema knows in the mapping at ``path`` of ``data``."""
+    schemas, data = _at(data, path)
+    return sorted({key for schema in _variants(schemas, data) for key in schema.get("properties", {})})
+
+
+def kinds_with_key(data: Any, path: KeyPath, key: str) -> list[str]:
+    """Tags of the kinds, at ``path`` of ``data``, that have a key; none where there are no kinds."""
+    schemas, _ = _at(data, path)
+    found = [
+        schema["properties"] for schema in _variants(schemas, None) if key in schema.get("properties", {})
+    ]
+    return [
+        properties[tag]["const"]
+        for properties in found
+        for tag in TAG_KEYS
+        if "const" in properties.get(tag, {})
+    ]
+
+
+def _at(data: Any, path: KeyPath) -> tuple[list[dict[str, Any]], Any]:
+    """The schemas and the value at ``path``."""
     schemas = [_schema()]
     for part in path:
         schemas = [below for schema in _variants(schemas, data) for below in _below(schema, part)]
         data = data[part]
-    return sorted({key for schema in _variants(schemas, data) for key in schema.get("properties", {})})
+    return schemas, data
 
 
 def _variants(schemas: list[dict[str, Any]], data: Any) -> Iterator[dict[str, Any]]:

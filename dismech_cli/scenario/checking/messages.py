@@ -9,7 +9,7 @@ from pydantic_core import ErrorDetails
 
 from ...words import did_you_mean, hint, listed
 from ..text.tree import KeyPath, describe
-from .known_keys import known_keys
+from .known_keys import kinds_with_key, known_keys
 
 _BOUNDS: Final = {
     "greater_than": ("greater than", "gt"),
@@ -52,6 +52,8 @@ def message(detail: ErrorDetails, data: Any, path: KeyPath) -> str:
         return "missing key"
     if kind == "extra_forbidden":
         known = known_keys(data, path[:-1])
+        if kinds := kinds_with_key(data, path[:-1], str(path[-1])):
+            return f"unknown key here: it is one of {listed(kinds)}"
         return f"unknown key{hint(str(path[-1]), known) or '; known: ' + listed(known, 'and')}"
     if kind == "literal_error":
         return f"expected {context['expected']}, got {describe(given)}{_hint(given, context['expected'])}"
