@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import tempfile
 import warnings
 from dataclasses import dataclass
@@ -12,6 +13,7 @@ import numpy as np
 
 from ...arrays import IntArray
 from ...errors import MeshError
+from ...file_text import decode
 from ..mesh import Mesh
 from ..topology.sides import half_edges
 from ..validate import validate
@@ -21,6 +23,7 @@ from .polygon import triangulate
 from .source import load_bytes
 
 _DIMENSIONS = {"vertex": 0, "line": 1, "triangle": 2, "quad": 2}
+_FOREIGN = re.compile(rb"\xff\xfe|\xfe\xff|(?:\xef\xbb\xbf)?\$MeshFormat[ \t]*\r(?!\n)")
 _UNNAMED = ("point", "curve", "surface")
 
 
@@ -33,7 +36,12 @@ def read_gmsh(path: Path) -> Mesh:
     Raises:
         MeshError: If the file cannot be read or describes an unusable mesh.
     """
-    return parse_gmsh(load_bytes(path), str(path))
+    return parse_gmsh(_plain(load_bytes(path)), str(path))
+
+
+def _plain(data: bytes) -> bytes:
+    """A text in UTF-16 or with carriage returns as gmsh would write it; bytes stay as they are."""
+    return decode(data, "replace").encode() if _FOREIGN.match(data) else data
 
 
 def parse_gmsh(data: bytes, where: str) -> Mesh:

@@ -6,6 +6,7 @@ import stat
 from pathlib import Path
 
 from ...errors import MeshError
+from ...file_text import UNFETCHED, decode, is_lfs_pointer
 from ..limits import MAX_COORDINATE
 
 MAX_FILE_BYTES = 1 << 27
@@ -16,7 +17,8 @@ def load_bytes(path: Path) -> bytes:
     """Read a whole mesh file.
 
     Raises:
-        MeshError: If the file is missing, not a regular file, unreadable or too large.
+        MeshError: If the file is missing, not a regular file, unreadable, too large, or was not fetched
+            from Git LFS.
     """
     try:
         status = path.stat()
@@ -26,16 +28,19 @@ def load_bytes(path: Path) -> bytes:
             raise MeshError(
                 f"{path}: {status.st_size} bytes; mesh files up to {MAX_FILE_BYTES} bytes are read"
             )
-        return path.read_bytes()
+        data = path.read_bytes()
     except FileNotFoundError:
         raise MeshError(f"{path}: no such mesh file") from None
     except (OSError, ValueError) as error:
         raise MeshError(f"{path}: cannot be read ({error})") from error
+    if is_lfs_pointer(data):
+        raise MeshError(f"{path}:1: {UNFETCHED}")
+    return data
 
 
 def load_text(path: Path) -> str:
-    """Read a whole text mesh file; bytes that are not UTF-8 become U+FFFD and fail where they stand."""
-    return load_bytes(path).decode("utf-8-sig", errors="replace")
+    """Read a whole text mesh file; bytes that are no text become U+FFFD and fail where they stand."""
+    return decode(load_bytes(path), "replace")
 
 
 def parse_float(token: str, where: str) -> float:

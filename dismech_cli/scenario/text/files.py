@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Final
 
 from ...errors import ScenarioError
+from ...file_text import UNFETCHED, decode, is_lfs_pointer
 from .problems import Problem, ProblemsError
 from .toml_text import parse_toml
 from .tree import MAX_BYTES, Mark, Node, Source
@@ -44,7 +45,8 @@ def read_source(path: Path, name: str, note: str = "") -> Source:
     """The text of a scenario file.
 
     Raises:
-        ScenarioError: if it cannot be read, is no regular file, larger than 8 MB or no UTF-8 text.
+        ScenarioError: if it cannot be read, is no regular file, larger than 8 MB, no text in UTF-8 or
+            UTF-16, or not fetched from Git LFS.
     """
     try:
         # Opening a FIFO for reading would wait for a writer for ever.
@@ -58,8 +60,10 @@ def read_source(path: Path, name: str, note: str = "") -> Source:
         raise ScenarioError(f"{name}: cannot read: {reason.lower()}") from None
     if len(data) > MAX_BYTES:
         raise ScenarioError(f"{name}: larger than {MAX_BYTES // 1024**2} MB, the limit for a scenario")
+    if is_lfs_pointer(data):
+        raise ScenarioError(f"{name}:1: {UNFETCHED}")
     try:
-        text = data.decode("utf-8-sig")
+        text = decode(data)
     except UnicodeDecodeError as error:
         line = data.count(b"\n", 0, error.start) + 1
         raise ScenarioError(f"{name}:{line}: not a text file in UTF-8") from None
