@@ -122,6 +122,9 @@ class _Units:
         while position < len(unit):
             match = _TOKEN.match(unit, position)
             if match is None:
+                if re.match(r",\d", unit):
+                    number = self.shown.replace(",", ".", 1)
+                    raise QuantityError(f"'{self.shown}' has a decimal comma; write {number}")
                 raise QuantityError(f"cannot read the unit '{unit}' of '{self.shown}'")
             kind = str(match.lastgroup)
             tokens.append((kind, match[kind]))

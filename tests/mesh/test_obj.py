@@ -67,6 +67,20 @@ def test_a_concave_polygon_stays_inside_its_outline() -> None:
     assert_array_equal(_areas(behind.nodes, behind.triangles).sum(), -3.0)
 
 
+def test_vertices_of_the_plane() -> None:
+    mesh = parse_obj("v 0 0\nv 0.1 0\nv 0.1 0.1\nf 1 2 3\n", "")
+    assert_array_equal(mesh.nodes, [[0, 0, 0], [0.1, 0, 0], [0.1, 0.1, 0]])
+    assert mesh.notes == ("The nodes have two coordinates; z = 0.",)
+
+
+def test_a_hash_in_a_name_is_no_comment() -> None:
+    square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
+    text = square + "usemtl Material #1\nf 1 2 3\nusemtl Material #2 # the second\nf 1 3 4\n"
+    mesh = parse_obj(text + "o Plane.001 #\np 1#no\n", "")
+    assert set(mesh.node_groups) == {"Material #1", "Material #2", "Plane.001"}
+    assert_array_equal(mesh.triangle_groups["Material #1"], [0])
+
+
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
@@ -78,7 +92,7 @@ def test_a_concave_polygon_stays_inside_its_outline() -> None:
         ("f 1/1/1 2/1/1 3/1/1", "f 1 2 2", r"b.obj:12: triangle 1 \(nodes 1, 2, 2\) has zero area"),
         ("l 1 5 6", "l 1", "b.obj:17: line with 1 nodes"),
         ("l 1 5 6", "l 1 5 7", r"b.obj:17: edge 2 \(nodes 5, 7\) names a node out of range"),
-        ("v 1 0 0 1.0", "v 1 0", "b.obj:5: vertex with 2 numbers"),
+        ("v 1 0 0 1.0", "v 1 0", "b.obj:5: node 2 has two coordinates, others three"),
         ("v 1 0 0 1.0", "v 1 nan 0", "b.obj:5: coordinate 'nan'"),
         ("usemtl silk", "curv 0 1", "b.obj:10: keyword 'curv'"),
         ("f 1/1/1 2/1/1 3/1/1", "f" + " 1" * 65, "b.obj:12: face with 65 corners"),

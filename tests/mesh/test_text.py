@@ -25,10 +25,32 @@ def test_windows_line_ends_and_byte_order_mark(tmp_path: Path) -> None:
     assert_array_equal(read_mesh(path).nodes, parse_text(HYBRID, "").nodes)
 
 
+@pytest.mark.parametrize("nodes", ["*rodNodes", "*shellNodes", "*Nodes"])
+def test_older_names_of_sections(nodes: str) -> None:
+    older = HYBRID.replace("*Nodes", nodes).replace("*Edges", "*rodEdges").replace("*Triangles", "*FaceNodes")
+    mesh, plain = parse_text(older, "old.txt"), parse_text(HYBRID, "new.txt")
+    assert_array_equal(mesh.nodes, plain.nodes)
+    assert_array_equal(mesh.edges, plain.edges)
+    assert_array_equal(mesh.triangles, plain.triangles)
+
+
+def test_nodes_under_two_names_are_refused() -> None:
+    text = "*rodNodes\n0,0,0\n1,0,0\n*shellNodes\n0,1,0\n*rodEdges\n1,2\n"
+    with pytest.raises(MeshError, match=r"o.txt:4: nodes in \*rodnodes and in \*shellNodes: .* one \*Nodes"):
+        parse_text(text, "o.txt")
+
+
+def test_nodes_of_the_plane() -> None:
+    mesh = parse_text("*Nodes\n0,0\n1,2\n*Edges\n1,2\n", "m.txt")
+    assert_array_equal(mesh.nodes, [[0, 0, 0], [1, 2, 0]])
+    assert mesh.notes == ("The nodes have two coordinates; z = 0.",)
+
+
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ("1e-1, 0, 0", "1e-1, 0", r"m.txt:7: 2 comma-separated entries in \*Nodes; expected 3"),
+        ("1e-1, 0, 0", "1e-1, 0", r"m.txt:7: node 2 has two coordinates, others three"),
+        ("1e-1, 0, 0", "1e-1", r"m.txt:7: 1 comma-separated entries in \*Nodes; expected 3"),
         ("1e-1, 0, 0", "1e-1, zero, 0", "m.txt:7: coordinate 'zero'"),
         ("1e-1, 0, 0", "1e-1, nan, 0", "m.txt:7: coordinate 'nan'"),
         ("1e-1, 0, 0", "1e-1, 1e999, 0", "m.txt:7: coordinate '1e999'"),

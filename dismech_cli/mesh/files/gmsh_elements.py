@@ -15,11 +15,23 @@ from .gmsh_section import Section
 MAX_TAG = 8 * MAX_COUNT
 """Largest node number: meshio keeps a table from number to index."""
 
+_SOLIDS = {
+    **dict.fromkeys((4, 11, 29, 30, 31), "tetrahedron"),
+    **dict.fromkeys((5, 12, 17, 92, 93), "hexahedron"),
+    **dict.fromkeys((6, 13, 18), "prism"),
+    **dict.fromkeys((7, 14, 19), "pyramid"),
+}
 _WIDTHS = {15: 1, 1: 2, 2: 3, 3: 4}
 
 
 def element_width(kind: int, section: Section, at: int) -> int:
     """Return the number of nodes of an element."""
+    if kind in _SOLIDS:
+        raise section.error(
+            f"a solid element (gmsh type {kind}, {_SOLIDS[kind]}); rods and shells need lines and triangles: "
+            "save the surface alone, as physical groups of surfaces do (Mesh.SaveAll = 0)",
+            at,
+        )
     if kind not in _WIDTHS:
         raise section.error(
             f"gmsh element type {kind}; expected points, lines, triangles or quads, "

@@ -18,7 +18,7 @@ from . import gmsh_22, gmsh_41
 from .gmsh_elements import known_nodes
 from .gmsh_section import Section
 
-_VERSIONS = {"2": "2.2", "2.2": "2.2", "4": "4.1", "4.1": "4.1"}
+_VERSIONS = {"2": "2.2", "2.2": "2.2", "4.1": "4.1"}
 _ONE = np.int32(1).tobytes()
 _HEADER = re.compile(rb"\$([A-Za-z]{1,40})[ \t]*\r?\n")
 _NAME = re.compile(rb'\s*(\d{1,9})\s+(\d{1,9})\s+"([^"\n]*)"\s*')
@@ -100,7 +100,10 @@ def _format(body: bytes, line: int, where: str) -> tuple[str, str]:
     if len(fields) != 3 or fields[1] not in ("0", "1") or fields[2] not in ("4", "8"):
         raise MeshError(f"{where}:{line}: expected the format as in '4.1 0 8'")
     if fields[0] not in _VERSIONS:
-        raise MeshError(f"{where}:{line}: gmsh format {fields[0][:20]}; expected 2.2 or 4.1")
+        raise MeshError(
+            f"{where}:{line}: gmsh format {fields[0][:20]}; expected 2.2 or 4.1: "
+            "'gmsh FILE -save -format msh41 -o NEW.msh' rewrites the file"
+        )
     if fields[1] == "1" and not rest.startswith(_ONE):
         raise MeshError(f"{where}:{line}: binary gmsh file of the other byte order; save it as text")
     return _VERSIONS[fields[0]], f"u{fields[2]}" if fields[1] == "1" else ""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from itertools import pairwise
@@ -16,10 +17,13 @@ from ..mesh import Mesh
 from ..validate import Lines, validate
 from .groups import GroupBuilder
 from .polygon import MAX_CORNERS, triangulate
-from .source import load_text, parse_float, parse_int
+from .source import in_space, load_text, parse_float, parse_int
 
 # Keywords that carry appearance only; dropping them cannot change the mechanics.
 _APPEARANCE = frozenset(("vt", "vn", "s", "mg", "lod", "mtllib", "usemap", "maplib", "bevel", "c_interp"))
+
+_NAMING = (["g"], ["o"], ["usemtl"])
+_LOOSE_HASH = re.compile(r"(?<!\S)#(?=\s|$)")
 
 
 @dataclass(slots=True)
@@ -74,7 +78,7 @@ def _logical_lines(text: str) -> Iterator[tuple[int, str]]:
     """Yield (first line number, content) with comments removed and continued lines joined."""
     pending, first = "", 0
     for number, line in enumerate(text.split("\n"), start=1):
-        content = line.partition("#")[0].rstrip()
+        content = _without_comment(line).rstrip()
         first = first or number
         if content.endswith("\\"):
             pending += content[:-1] + " "
@@ -86,11 +90,18 @@ def _logical_lines(text: str) -> Iterator[tuple[int, str]]:
         yield first, pending
 
 
+def _without_comment(line: str) -> str:
+    """A hash begins a comment; within a name, as in ``usemtl Material #1``, only with a blank after it."""
+    if line.split(None, 1)[:1] in _NAMING:
+        return _LOOSE_HASH.split(line, maxsplit=1)[0]
+    return line.partition("#")[0]
+
+
 def _parse_line(parsed: _Parsed, keyword: str, tokens: list[str], number: int, place: str) -> None:
     match keyword:
         case "v":
             # After x y z come a weight or a colour, or both.
-            if len(tokens) not in (3, 4, 6, 7):
+            if len(tokens) not in (2, 3, 4, 6, 7):
                 raise MeshError(f"{place}: vertex with {len(tokens)} numbers; expected x y z")
             parsed.nodes.append([parse_float(token, place) for token in tokens[:3]])
             parsed.node_lines.append(number)
@@ -140,7 +151,7 @@ def _node_indices(tokens: list[str], known: int, place: str) -> list[int]:
 
 def _assemble(parsed: _Parsed, where: str) -> Mesh:
     count = check_count(len(parsed.nodes), "nodes", where)
-    nodes = np.array(parsed.nodes, dtype=np.float64).reshape(-1, 3)
+    nodes, notes = in_space(parsed.nodes, parsed.node_lines, where)
     triangles: list[tuple[int, int, int]] = []
     triangle_lines: list[int] = []
     triangle_members = GroupBuilder()
@@ -164,7 +175,7 @@ def _assemble(parsed: _Parsed, where: str) -> Mesh:
         node_groups={name: group[group < count] for name, group in node_groups.items()},
         edge_groups=parsed.edge_members.build(),
         triangle_groups=triangle_members.build(),
-        notes=tuple(f"{n} {name}s split into triangles." for name, n in cut.items() if n),
+        notes=(*notes, *(f"{n} {name}s split into triangles." for name, n in cut.items() if n)),
     )
     lines = Lines(
         nodes=np.array(parsed.node_lines, dtype=np.int64),

@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import stat
+from collections.abc import Sequence
 from pathlib import Path
 
+import numpy as np
+
+from ...arrays import FloatArray
 from ...errors import MeshError
 from ...file_text import UNFETCHED, decode, is_lfs_pointer
 from ..limits import MAX_COORDINATE
@@ -58,6 +62,29 @@ def parse_float(token: str, where: str) -> float:
             f"{where}: coordinate {token[:40]!r}; expected a finite number up to {MAX_COORDINATE:g} m"
         )
     return value
+
+
+def in_space(
+    nodes: Sequence[Sequence[float]], lines: Sequence[int], where: str
+) -> tuple[FloatArray, tuple[str, ...]]:
+    """Nodes as an array, shape (N, 3), and what was done: a mesh of the plane gets z = 0.
+
+    Args:
+        nodes: Two or three coordinates each.
+        lines: Line of each node.
+        where: File, for messages.
+
+    Raises:
+        MeshError: If some nodes have two coordinates and others three.
+    """
+    flat = [len(node) == 2 for node in nodes]
+    if not any(flat):
+        return np.array(nodes, dtype=np.float64).reshape(-1, 3), ()
+    if not all(flat):
+        first = flat.index(True)
+        raise MeshError(f"{where}:{lines[first]}: node {first + 1} has two coordinates, others three")
+    plane = np.array(nodes, dtype=np.float64)
+    return np.pad(plane, ((0, 0), (0, 1))), ("The nodes have two coordinates; z = 0.",)
 
 
 def parse_int(token: str, where: str) -> int:

@@ -11,9 +11,19 @@ from ...errors import MeshError
 from ..limits import check_count
 from ..mesh import Mesh
 from ..validate import Lines, validate
-from .source import load_text, parse_float, parse_int
+from .source import in_space, load_text, parse_float, parse_int
 
 _WIDTH = {"nodes": 3, "edges": 2, "triangles": 3}
+_SECTIONS = {
+    "nodes": "nodes",
+    "rodnodes": "nodes",
+    "shellnodes": "nodes",
+    "edges": "edges",
+    "rodedges": "edges",
+    "triangles": "triangles",
+    "facenodes": "triangles",
+}
+"""Rows of each section, by its name in lower case: older files call them otherwise."""
 
 
 def read_text(path: Path) -> Mesh:
@@ -36,24 +46,32 @@ def parse_text(text: str, where: str) -> Mesh:
     """
     rows: dict[str, list[list[str]]] = {name: [] for name in _WIDTH}
     lines: dict[str, list[int]] = {name: [] for name in _WIDTH}
-    section = ""
+    section, nodes_of = "", ""
     for number, line in enumerate(text.split("\n"), start=1):
         entry = line.partition("#")[0].strip()
         if not entry:
             continue
         if entry.startswith("*"):
-            section = entry[1:].strip().lower()
-            if section not in _WIDTH:
+            name = entry[1:].strip().lower()
+            if name not in _SECTIONS:
                 raise MeshError(
                     f"{where}:{number}: section {entry[:40]!r}; expected *Nodes, *Edges or *Triangles"
                 )
+            section = _SECTIONS[name]
+            if section == "nodes":
+                if nodes_of not in ("", name):
+                    raise MeshError(
+                        f"{where}:{number}: nodes in *{nodes_of} and in {entry[:40]}: which of them a number "
+                        "means is open; give all in one *Nodes and renumber"
+                    )
+                nodes_of = name
             continue
         if not section:
             raise MeshError(
                 f"{where}:{number}: data before the first section; expected *Nodes, *Edges or *Triangles"
             )
         tokens = [token.strip() for token in entry.split(",")]
-        if len(tokens) != _WIDTH[section]:
+        if len(tokens) != _WIDTH[section] and (section, len(tokens)) != ("nodes", 2):
             raise MeshError(
                 f"{where}:{number}: {len(tokens)} comma-separated entries in *{section.capitalize()}; "
                 f"expected {_WIDTH[section]}"
@@ -62,14 +80,16 @@ def parse_text(text: str, where: str) -> Mesh:
         lines[section].append(number)
     for name, entries in rows.items():
         check_count(len(entries), name, where)
-    nodes = [
+    points = [
         [parse_float(token, f"{where}:{line}") for token in row]
         for row, line in zip(rows["nodes"], lines["nodes"], strict=True)
     ]
+    nodes, notes = in_space(points, lines["nodes"], where)
     mesh = Mesh(
-        nodes=np.array(nodes, dtype=np.float64).reshape(-1, 3),
+        nodes=nodes,
         edges=_indices(rows["edges"], lines["edges"], 2, where),
         triangles=_indices(rows["triangles"], lines["triangles"], 3, where),
+        notes=notes,
     )
     return validate(
         mesh,

@@ -18,6 +18,7 @@ _STRING: Final = re.compile(
     r'"""(?:\\.|[^\\])*?"""+|\'\'\'.*?\'\'\'+|"(?:\\.|[^"\\\n])*"|\'[^\'\n]*\'', re.DOTALL
 )
 _BARE_VALUE: Final = re.compile(r"[^,\]}#\n]*")
+_DECIMAL_COMMA: Final = re.compile(r"(?:(?<==)|(?<== ))[-+]?[0-9]+,[0-9]+")
 _PLACE: Final = re.compile(r"\s*\(at (?:line (\d+), column (\d+)|end of document)\)")
 
 
@@ -36,7 +37,7 @@ def parse_toml(source: Source) -> Node:
         place = _PLACE.search(str(error))
         lines = text.count("\n") + 1
         line, column = (int(place[1]), int(place[2])) if place and place[1] else (lines, 1)
-        raise _single(source, line, column, f"not valid TOML: {_PLACE.sub('', str(error))}") from None
+        raise _single(source, line, *_reason(text, line, column, _PLACE.sub("", str(error)))) from None
     if _too_deep(data):
         raise _single(source, 1, 1, f"nested deeper than {MAX_DEPTH} levels")
     builder = _Builder(source, text)
@@ -44,6 +45,14 @@ def parse_toml(source: Source) -> Node:
     if builder.problems:
         raise ProblemsError(builder.problems)
     return tree
+
+
+def _reason(text: str, line: int, column: int, message: str) -> tuple[int, str]:
+    """Column and message of what :mod:`tomllib` stumbled over: a decimal comma is named as such."""
+    for number in _DECIMAL_COMMA.finditer(text.split("\n")[line - 1]):
+        if number.start() < column <= number.end() + 1:
+            return number.start() + 1, f"a comma parts values; write {number[0].replace(',', '.')}"
+    return column, f"not valid TOML: {message}"
 
 
 def _single(source: Source, line: int, column: int, message: str) -> ProblemsError:

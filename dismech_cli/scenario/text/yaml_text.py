@@ -22,6 +22,7 @@ _INT: Final = re.compile(r"(?:[-+]?[0-9]+|0o[0-7]+|0x[0-9a-fA-F]+)\Z")
 _FLOAT: Final = re.compile(
     r"(?:[-+]?(?:\.[0-9]+|[0-9]+(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]+)?|[-+]?\.(?:inf|Inf|INF)|\.(?:nan|NaN|NAN))\Z"
 )
+_DECIMALS: Final = re.compile(r"[0-9]+(?:[eE][-+]?[0-9]+)?(?:\s*[A-Za-z%].*)?\Z")
 # Order matters: an int also looks like a float.
 SCALARS: Final = (
     ("tag:yaml.org,2002:null", _NULL),
@@ -164,8 +165,17 @@ class _Converter:
 
     def _mapping(self, raw: yaml.Node, path: KeyPath) -> dict[str, Node]:
         entries: dict[str, Node] = {}
+        before: yaml.Node | None = None
         for key, value in raw.value:
             mark = _mark(self.source, key)
+            if (number := _decimal_comma(before, key, value)) is not None:
+                assert before is not None
+                place = _mark(self.source, before)
+                self.problems.append(
+                    Problem(place, (*path, *list(entries)[-1:]), f"a comma parts keys; write {number}")
+                )
+                continue
+            before = value
             if not isinstance(key, yaml.ScalarNode):
                 self.problems.append(Problem(mark, (), "a key must be plain text"))
                 continue
@@ -193,6 +203,20 @@ class _Converter:
             shown = text if len(text) <= 24 else text[:24] + "..."
             self.problems.append(Problem(mark, path, f"{error}, got {shown}"))
             return 0
+
+
+def _decimal_comma(before: yaml.Node | None, key: yaml.Node, value: yaml.Node) -> str | None:
+    """What ``{a: 0,3}`` should say, which YAML reads as the value 0 and a key 3 without one; else None."""
+    scalars = [n for n in (before, key, value) if isinstance(n, yaml.ScalarNode) and n.style is None]
+    if before is None or len(scalars) < 3:
+        return None
+    whole, decimals, nothing = (scalar.value for scalar in scalars)
+    if nothing or not (_INT.match(whole) and _DECIMALS.match(decimals)):
+        return None
+    # Blanks after a comma speak for a list of keys.
+    if before.end_mark.index + 1 != key.start_mark.index:
+        return None
+    return f"{whole}.{decimals}"
 
 
 def _mark(source: Source, raw: yaml.Node) -> Mark:

@@ -80,7 +80,7 @@ class GroupSelection(Spec):
     """
 
     group: str = Field(
-        pattern=r"^[A-Za-z_][A-Za-z0-9_-]{0,63}(\.[^\s.][^.]{0,99})?$", description="Name of the group."
+        pattern=r"^[A-Za-z_][A-Za-z0-9_-]{0,63}(\.\S.{0,99})?$", description="Name of the group."
     )
 
     @model_validator(mode="before")
