@@ -25,7 +25,7 @@ def test_a_decimal_comma_is_told(format: Literal["yaml", "toml"], text: str, mes
 
 
 def test_other_commas_are_left_alone() -> None:
-    with pytest.raises(ScenarioError, match=r"1:19: .*unknown key 'b'"):
+    with pytest.raises(ScenarioError, match=r"1:19: numerics\.b: unknown key"):
         load_text("numerics: {dt: 1, b: 2}")
-    with pytest.raises(ScenarioError, match=r"1:19: .*unknown key '3'"):
+    with pytest.raises(ScenarioError, match=r"1:19: numerics\.3: unknown key"):
         load_text("numerics: {dt: 1, 3}")

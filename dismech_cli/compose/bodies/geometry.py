@@ -14,7 +14,7 @@ from ...mesh.measure import edge_lengths, triangle_areas
 from ...scenario.language.geometry import Rod, Shell
 from ...scenario.load import LoadedScenario
 from ...sections.rods import RodProperties
-from .mesh import BodyMesh
+from .mesh import BodyMesh, left_out
 from .rod import properties_of, rod_mesh, with_ends
 from .shell import ShellProperties, shell_mesh, shell_properties
 
@@ -132,8 +132,10 @@ def assemble_geometry(loaded: LoadedScenario) -> Geometry:
     files: dict[str, tuple[Path, IntArray]] = {}
     rods, shells = scenario.rods, scenario.shells
     n = e = 0
+    bodies: list[BodyMesh] = []
     for index, body in enumerate(scenario.geometry):
         found = _mesh(loaded, index, body)
+        bodies.append(found)
         mesh = found.mesh
         notes += [f"{body.name}: {note}" for note in mesh.notes]
         nodes.append(mesh.nodes)
@@ -157,6 +159,7 @@ def assemble_geometry(loaded: LoadedScenario) -> Geometry:
             edge_groups[f"{body.name}.{name}"] = group + e
             node_groups.setdefault(f"{body.name}.{name}", np.unique(mesh.edges[group]) + n)
         n, e = n + len(mesh.nodes), e + len(mesh.edges)
+    notes += left_out(bodies)
     empty = np.empty(0, dtype=np.int64)
     return Geometry(
         nodes=np.concatenate(nodes),

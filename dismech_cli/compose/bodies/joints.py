@@ -177,7 +177,7 @@ def _shared_by_file(geometry: Geometry) -> list[tuple[int, int]]:
             continue
         _, here, there = np.intersect1d(numbers, others, assume_unique=True, return_indices=True)
         first, second = geometry.body_nodes[one][here], geometry.body_nodes[two][there]
-        # apart where the bodies take the file at different scales
+        # apart where the bodies put the file in different places
         together = (geometry.nodes[first] == geometry.nodes[second]).all(axis=1)
         first, second = first[together], second[together]
         pairs += zip(first.tolist(), second.tolist(), strict=True)

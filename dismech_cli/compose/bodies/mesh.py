@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -10,6 +10,7 @@ import numpy as np
 
 from ...arrays import IntArray
 from ...mesh.mesh import Mesh
+from .placement import Placement
 
 
 def _no_numbers() -> IntArray:
@@ -25,14 +26,20 @@ class BodyMesh:
         file: File that it was read from, or None.
         numbers: Number of each node in that file, shape (N,): nodes that two bodies take from one
             file are the same place.
+        lines_left: Lines of the file that the body does not take.
+        triangles_left: Triangles of the file that it does not take.
     """
 
     mesh: Mesh
     file: Path | None = None
     numbers: IntArray = field(default_factory=_no_numbers)
+    lines_left: frozenset[int] = frozenset()
+    triangles_left: frozenset[int] = frozenset()
 
 
-def part_of_file(mesh: Mesh, path: Path, scale: float, edges: IntArray, triangles: IntArray) -> BodyMesh:
+def part_of_file(
+    mesh: Mesh, path: Path, place_nodes: Placement, edges: IntArray, triangles: IntArray
+) -> BodyMesh:
     """Some edges and triangles of a file, with the nodes that they use.
 
     Groups of nodes, edges and triangles are kept as far as they lie within; a group of triangles is
@@ -41,7 +48,7 @@ def part_of_file(mesh: Mesh, path: Path, scale: float, edges: IntArray, triangle
     Args:
         mesh: All that the file holds.
         path: The file.
-        scale: Metres per unit of length in the file.
+        place_nodes: Where its nodes go.
         edges: Indices of the wanted edges.
         triangles: Indices of the wanted triangles.
     """
@@ -53,7 +60,7 @@ def part_of_file(mesh: Mesh, path: Path, scale: float, edges: IntArray, triangle
         if len(triangles):
             node_groups.setdefault(name, place[np.unique(mesh.triangles[group])])
     part = Mesh(
-        nodes=scale * mesh.nodes[used],
+        nodes=place_nodes(mesh.nodes[used]),
         edges=place[mesh.edges[edges]],
         triangles=place[mesh.triangles[triangles]],
         node_groups={name: group[group >= 0] for name, group in node_groups.items() if (group >= 0).any()},
@@ -61,7 +68,27 @@ def part_of_file(mesh: Mesh, path: Path, scale: float, edges: IntArray, triangle
         triangle_groups=_within(mesh.triangle_groups, triangles, len(mesh.triangles)),
         notes=mesh.notes,
     )
-    return BodyMesh(part, path.resolve(), used)
+    return BodyMesh(
+        part,
+        path.resolve(),
+        used,
+        frozenset(np.delete(np.arange(len(mesh.edges)), edges).tolist()),
+        frozenset(np.delete(np.arange(len(mesh.triangles)), triangles).tolist()),
+    )
+
+
+def left_out(bodies: Iterable[BodyMesh]) -> Iterator[str]:
+    """What each file holds that no body takes, a sentence a file."""
+    files: dict[Path, list[BodyMesh]] = {}
+    for body in bodies:
+        if body.file is not None:
+            files.setdefault(body.file, []).append(body)
+    for file, takers in files.items():
+        lines = len(frozenset.intersection(*(body.lines_left for body in takers)))
+        triangles = len(frozenset.intersection(*(body.triangles_left for body in takers)))
+        told = [f"{n} {what}" for n, what in ((lines, "lines"), (triangles, "triangles")) if n]
+        if told:
+            yield f"{file.name}: {' and '.join(told)} are in no body; lines make rods, triangles shells."
 
 
 def _within(groups: Mapping[str, IntArray], chosen: IntArray, count: int) -> dict[str, IntArray]:

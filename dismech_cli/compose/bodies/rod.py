@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -27,6 +28,7 @@ from ...sections.rods import (
     tube_section,
 )
 from .mesh import BodyMesh, part_of_file
+from .placement import placement_of
 
 
 def rod_mesh(rod: Rod, directory: Path) -> BodyMesh:
@@ -61,8 +63,8 @@ def _read(source: MeshFile, directory: Path) -> BodyMesh:
         raise MeshError(f"{source.file} has no lines; a rod needs some")
     chosen = np.arange(len(mesh.edges)) if source.group is None else mesh.edge_groups[source.group]
     none = np.empty(0, dtype=np.int64)
-    part = part_of_file(mesh, path, source.scale, chosen, none)
-    return BodyMesh(validate(part.mesh, source.file), part.file, part.numbers)
+    part = part_of_file(mesh, path, placement_of(source), chosen, none)
+    return replace(part, mesh=validate(part.mesh, source.file))
 
 
 def _generated(rod: Rod, directory: Path) -> Mesh:

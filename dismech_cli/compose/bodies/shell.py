@@ -15,6 +15,8 @@ from ...mesh.generate import curved as generate_curved
 from ...mesh.generate import rings as generate_rings
 from ...mesh.generate.sheets import Pattern, sheet
 from ...mesh.mesh import Mesh
+from ...mesh.topology.closed import inward_surfaces
+from ...mesh.topology.orient import reverse
 from ...mesh.topology.shells import shell_edges
 from ...scenario.language.geometry import Shell, SurfaceFile
 from ...scenario.language.material import Material
@@ -27,6 +29,7 @@ from ...scenario.language.surface import (
     SphereSurface,
 )
 from .mesh import BodyMesh, part_of_file
+from .placement import placement_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +86,19 @@ def _read(source: SurfaceFile, directory: Path) -> BodyMesh:
     if len(mesh.triangles) == 0:
         raise MeshError(f"{source.file} has no triangles; a shell needs some")
     chosen = np.arange(len(mesh.triangles)) if source.group is None else mesh.triangle_groups[source.group]
-    return part_of_file(mesh, path, source.scale, np.empty(0, dtype=np.int64), chosen)
+    part = part_of_file(mesh, path, placement_of(source), np.empty(0, dtype=np.int64), chosen)
+    triangles = part.mesh.triangles
+    if source.flip:
+        triangles = reverse(triangles, np.ones(len(triangles), dtype=np.bool_))
+    notes = part.mesh.notes
+    if (inward := inward_surfaces(part.mesh.nodes, triangles)) > 0:
+        closed = "closed surface" if inward == 1 else f"{inward} closed surfaces"
+        how = "false" if source.flip else "true"
+        notes = (
+            *notes,
+            f"Normals of the {closed} point inward, as pressure acts; 'flip: {how}' turns them.",
+        )
+    return replace(part, mesh=replace(part.mesh, triangles=triangles, notes=notes))
 
 
 def _generated(shell: Shell) -> Mesh:

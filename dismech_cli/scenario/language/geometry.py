@@ -7,7 +7,7 @@ from typing import Annotated, Literal, TypeAlias
 from annotated_types import Len
 from pydantic import Field, Strict, model_validator
 
-from ..values.quantity import DirectionTriple, FileName, Name, PositiveLength, Quantity
+from ..values.quantity import Angle, DirectionTriple, FileName, LengthTriple, Name, PositiveLength, Quantity
 from ..values.spec import Spec, exactly_one, problem
 from .section import RoundSection, Section
 from .shape import Shape
@@ -23,6 +23,18 @@ Scale: TypeAlias = Annotated[float, Quantity("ratio", gt=0)]
 _SCALE = Field(default=1.0, description="Length of the file's unit in metres, such as 0.001 for millimetres.")
 
 
+class Rotation(Spec):
+    """A turn about an axis."""
+
+    axis: DirectionTriple = Field(description="Direction of the axis; the turn is right-handed about it.")
+    angle: Angle = Field(description="Angle of the turn.")
+    about: LengthTriple = Field(default=(0.0, 0.0, 0.0), description="A point on the axis.")
+
+
+_ROTATE = Field(default=None, description="Turns the mesh, once scaled.")
+_MOVE = Field(default=(0.0, 0.0, 0.0), description="Moves the mesh, once scaled and turned.")
+
+
 class MeshFile(Spec):
     """A centreline read from a mesh file."""
 
@@ -31,6 +43,8 @@ class MeshFile(Spec):
         default=None, min_length=1, description="Physical group of its lines; default: all lines."
     )
     scale: Scale = _SCALE
+    rotate: Rotation | None = _ROTATE
+    move: LengthTriple = _MOVE
 
 
 class NaturalStrain(Spec):
@@ -90,6 +104,9 @@ class SurfaceFile(Spec):
         default=None, min_length=1, description="Physical group of its triangles; default: all triangles."
     )
     scale: Scale = _SCALE
+    rotate: Rotation | None = _ROTATE
+    move: LengthTriple = _MOVE
+    flip: bool = Field(default=False, description="Turns the normals to the other side.")
 
 
 class NaturalShape(Spec):

@@ -1,0 +1,98 @@
+"""Bodies from mesh files: their groups, where they are put, and what is said of the rest of the file."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+from shell_decks import EULER, MIXED, Deck
+
+from dismech_cli.compose.bodies.geometry import Geometry, assemble_geometry
+from dismech_cli.compose.bodies.joints import weld_joints
+from dismech_cli.compose.bodies.selection import select_nodes
+from dismech_cli.mesh.measure import area_vectors
+from dismech_cli.scenario.load import load_mapping
+from dismech_cli.scenario.values.selection import GroupSelection
+
+CUBE = """\
+v 0 0 0
+v 1 0 0
+v 1 1 0
+v 0 1 0
+v 0 0 1
+v 1 0 1
+v 1 1 1
+v 0 1 1
+f 1 2 3 4
+f 5 8 7 6
+f 1 5 6 2
+f 2 6 7 3
+f 3 7 8 4
+f 4 8 5 1
+"""
+SHELL: Deck = {"type": "shell", "name": "s", "material": "rubber", "thickness": 2e-3}
+ROD: Deck = {"type": "rod", "name": "r", "material": "rubber", "radius": 2e-3}
+INWARD = "s: Normals of the closed surface point inward, as pressure acts; 'flip: true' turns them."
+
+
+@pytest.fixture
+def built(tmp_path: Path) -> Any:
+    def geometry(name: str, text: str, *bodies: Deck) -> Geometry:
+        (tmp_path / name).write_text(text)
+        rubber = {"youngs_modulus": 1e6, "poisson_ratio": 0.3, "density": 1000.0}
+        deck = {
+            "schema_version": 1,
+            "name": "files",
+            "materials": {"rubber": rubber},
+            "geometry": [body | {"mesh": {"file": name} | body.get("mesh", {})} for body in bodies],
+            "numerics": EULER,
+        }
+        loaded = load_mapping(deck, directory=tmp_path)
+        return weld_joints(loaded, assemble_geometry(loaded))
+
+    return geometry
+
+
+def test_groups_named_as_blender_names_objects(built: Any) -> None:
+    text = "v 0 0\nv 1 0\nv 1 1\nv 0 1\no Plane.001\nf 1 2 3\no Plane.002\nf 1 3 4\n"
+    geometry = built("d.obj", text, SHELL)
+    assert_array_equal(select_nodes(geometry, GroupSelection(group="s.Plane.001")), [0, 1, 2])
+    assert_array_equal(select_nodes(geometry, GroupSelection(group="s.Plane.002")), [0, 2, 3])
+
+
+def test_elements_in_no_body_are_told(built: Any) -> None:
+    told = "m.txt: 2 lines are in no body; lines make rods, triangles shells."
+    assert told in built("m.txt", MIXED, SHELL).notes
+    assert "m.txt: 1 triangles are in no body" in " ".join(built("m.txt", MIXED, ROD).notes)
+    assert not any("in no body" in note for note in built("m.txt", MIXED, SHELL, ROD).notes)
+
+
+def test_a_closed_surface_with_inward_normals_is_told_and_flipped(built: Any) -> None:
+    inward, outward = (built("c.obj", CUBE, SHELL | {"mesh": {"flip": flip}}) for flip in (False, True))
+    assert INWARD in inward.notes
+    assert not any("Normals" in note for note in outward.notes)
+    for geometry, sign in ((inward, -1.0), (outward, 1.0)):
+        centres = geometry.nodes[geometry.triangles].mean(axis=1) - 0.5
+        through = (centres * area_vectors(geometry.nodes, geometry.triangles)).sum(axis=1)
+        assert (sign * through > 0.0).all()
+    without_lid = CUBE.replace("f 5 8 7 6\n", "")
+    assert not any("Normals" in note for note in built("o.obj", without_lid, SHELL).notes)
+
+
+def test_a_mesh_is_scaled_then_turned_then_moved(built: Any) -> None:
+    turn = {"axis": [0.0, 0.0, 3.0], "angle": "90 deg", "about": [1.0, 0.0, 0.0]}
+    mesh = {"scale": 2.0, "rotate": turn, "move": [0.0, 0.0, "5 m"]}
+    geometry = built("c.obj", CUBE, SHELL | {"mesh": mesh})
+    # (x, y) -> (1 - y, x - 1) of twice the cube
+    x, y, z = 2.0 * np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]).T
+    assert_allclose(geometry.nodes[:4], np.stack([1 - y, x - 1, z + 5], axis=1), rtol=0, atol=4e-16)
+
+
+def test_bodies_of_a_file_hang_together_where_both_are_put_alike(built: Any) -> None:
+    turn = {"axis": [1.0, 2.0, 3.0], "angle": 0.7}
+    mesh = {"rotate": turn, "move": [0.1, 0.2, 0.3]}
+    both = built("m.txt", MIXED, SHELL | {"mesh": mesh}, ROD | {"mesh": mesh})
+    assert len(both.nodes) == 5
+    one = built("m.txt", MIXED, SHELL | {"mesh": mesh}, ROD)
+    assert len(one.nodes) == 6
