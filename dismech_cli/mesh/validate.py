@@ -14,6 +14,7 @@ from .mesh import Mesh
 from .topology.components import components
 from .topology.orient import reverse, reversed_triangles
 from .topology.sides import half_edges, shared_sides
+from .topology.weld import weld_nodes
 
 LENGTH_TOLERANCE = 1e-12
 """Shortest edge, as a fraction of the diagonal of the bounding box."""
@@ -43,13 +44,14 @@ class Lines:
     triangles: IntArray | None = None
 
 
-def validate(mesh: Mesh, where: str, lines: Lines | None = None) -> Mesh:
+def validate(mesh: Mesh, where: str, lines: Lines | None = None, weld: float = 0.0) -> Mesh:
     """Check a mesh and repair what can be repaired without guessing.
 
     Args:
         mesh: As read or generated.
         where: File or generator, for messages.
         lines: Line numbers of the file's entries, for messages.
+        weld: Nodes up to this distance from each other become one; 0 leaves even those at one place.
 
     Returns:
         The mesh without unused nodes, consistently wound, with a note for each change and for
@@ -66,6 +68,9 @@ def validate(mesh: Mesh, where: str, lines: Lines | None = None) -> Mesh:
     if len(mesh.edges) + len(mesh.triangles) == 0:
         raise MeshError(f"{where}: the mesh has neither rod edges nor triangles")
     _check_range(mesh, where, lines)
+    welded = np.zeros(len(mesh.nodes), dtype=np.bool_)
+    if weld > 0.0:
+        mesh, welded = weld_nodes(mesh, weld, where)
     used = np.zeros(len(mesh.nodes), dtype=np.bool_)
     used[mesh.edges.ravel()] = True
     used[mesh.triangles.ravel()] = True
@@ -73,7 +78,7 @@ def validate(mesh: Mesh, where: str, lines: Lines | None = None) -> Mesh:
     _check_edges(mesh.edges, unit, where, lines.edges)
     mesh = _check_triangles(mesh, unit, where, lines.triangles)
     # Last, so that messages count nodes as the file does.
-    return _note_components(_drop_unused(mesh, used))
+    return _note_components(_drop_unused(mesh, used, welded))
 
 
 def _refuse(bad: BoolArray, rows: IntArray, what: str, why: str, where: str, lines: IntArray | None) -> None:
@@ -125,7 +130,7 @@ def _check_nodes(nodes: FloatArray, used: BoolArray, where: str, lines: IntArray
         more = f" ({len(pairs) - 1} more such pairs)" if len(pairs) > 1 else ""
         raise MeshError(
             f"{place(int(two))}: node {two + 1} is at the same place as node {one + 1}; "
-            f"merge them or move them apart{more}"
+            f"merge them ('weld' does so) or move them apart{more}"
         )
     return unit
 
@@ -212,22 +217,25 @@ def _check_folds(triangles: IntArray, unit: FloatArray, where: str, at: IntArray
     _refuse(folded, triangles, "triangle", "is folded flat onto its neighbour", where, at)
 
 
-def _drop_unused(mesh: Mesh, used: BoolArray) -> Mesh:
-    """Remove nodes without an element: they would have neither mass nor stiffness."""
+def _drop_unused(mesh: Mesh, used: BoolArray, welded: BoolArray) -> Mesh:
+    """Remove nodes without an element: they would have neither mass nor stiffness; those welded were told."""
     if used.all():
         return mesh
     index = np.cumsum(used) - 1
-    dropped = np.flatnonzero(~used)
+    dropped = np.flatnonzero(~used & ~welded)
     groups = {name: index[group[used[group]]] for name, group in mesh.node_groups.items()}
     what = "node" if len(dropped) == 1 else "nodes"
-    note = f"{len(dropped)} {what} without an edge or triangle dropped (first: node {dropped[0] + 1})."
+    note = (
+        dropped.size
+        and f"{len(dropped)} {what} without an edge or triangle dropped (first: node {dropped[0] + 1})."
+    )
     return replace(
         mesh,
         nodes=mesh.nodes[used],
         edges=index[mesh.edges],
         triangles=index[mesh.triangles],
         node_groups={name: group for name, group in groups.items() if len(group)},
-        notes=(*mesh.notes, note),
+        notes=(*mesh.notes, note) if note else mesh.notes,
     )
 
 

@@ -11,6 +11,7 @@ from shell_decks import EULER, MIXED, Deck
 from dismech_cli.compose.bodies.geometry import Geometry, assemble_geometry
 from dismech_cli.compose.bodies.joints import weld_joints
 from dismech_cli.compose.bodies.selection import select_nodes
+from dismech_cli.errors import ScenarioError
 from dismech_cli.mesh.measure import area_vectors
 from dismech_cli.scenario.load import load_mapping
 from dismech_cli.scenario.values.selection import GroupSelection
@@ -96,3 +97,40 @@ def test_bodies_of_a_file_hang_together_where_both_are_put_alike(built: Any) -> 
     assert len(both.nodes) == 5
     one = built("m.txt", MIXED, SHELL | {"mesh": mesh}, ROD)
     assert len(one.nodes) == 6
+
+
+PANELS = """\
+v 0 0 0
+v 100 0 0
+v 100 100 0
+v 0 100 0
+v 100.2 0 0
+v 200 0 0
+v 200 100 0
+v 100 100 0
+o left
+f 1 2 3 4
+o right
+f 5 6 7 8
+"""
+
+
+def test_panels_are_welded_within_a_length(built: Any) -> None:
+    mesh = {"scale": 0.001, "weld": "0.5 mm"}
+    geometry = built("u.obj", PANELS, SHELL | {"mesh": mesh})
+    assert len(geometry.nodes) == 6
+    assert_array_equal(geometry.node_groups["s.right"], [1, 2, 4, 5])
+    assert "s: 2 nodes welded to others within 0.5 (units of the file)." in geometry.notes
+    assert not any("dropped" in note or "components" in note for note in geometry.notes)
+
+
+def test_a_weld_too_wide_or_too_narrow_is_refused(built: Any) -> None:
+    with pytest.raises(
+        ScenarioError, match=r"node 8 is at the same place as node 3; merge them .'weld' does so"
+    ):
+        built("u.obj", PANELS, SHELL | {"mesh": {"scale": 0.001}})
+    with pytest.raises(ScenarioError, match="zero area"):
+        built("u.obj", PANELS, SHELL | {"mesh": {"scale": 0.001, "weld": "99.9 mm"}})
+    rows = "".join(f"v {i} 0 0\n" for i in range(1000)) + "l 1 2\n"
+    with pytest.raises(ScenarioError, match="more than 32 nodes lie within the weld of 500"):
+        built("r.obj", rows, ROD | {"mesh": {"weld": 500.0}})

@@ -55,7 +55,7 @@ def with_ends(mesh: Mesh) -> dict[str, IntArray]:
 
 def _read(source: MeshFile, directory: Path) -> BodyMesh:
     path = directory / source.file
-    mesh = read_mesh(path)
+    mesh = read_mesh(path, source.weld / source.scale)
     if source.group is not None and source.group not in mesh.edge_groups:
         known = ", ".join(sorted(mesh.edge_groups)) or "none"
         raise MeshError(f"{source.file} has no group of lines '{source.group}'; it has: {known}")

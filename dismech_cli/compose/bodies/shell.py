@@ -79,7 +79,7 @@ def shell_mesh(shell: Shell, directory: Path) -> BodyMesh:
 
 def _read(source: SurfaceFile, directory: Path) -> BodyMesh:
     path = directory / source.file
-    mesh = read_mesh(path)
+    mesh = read_mesh(path, source.weld / source.scale)
     if source.group is not None and source.group not in mesh.triangle_groups:
         known = ", ".join(sorted(mesh.triangle_groups)) or "none"
         raise MeshError(f"{source.file} has no group of triangles '{source.group}'; it has: {known}")

@@ -27,7 +27,7 @@ _FOREIGN = re.compile(rb"\xff\xfe|\xfe\xff|(?:\xef\xbb\xbf)?\$MeshFormat[ \t]*\r
 _UNNAMED = ("point", "curve", "surface")
 
 
-def read_gmsh(path: Path) -> Mesh:
+def read_gmsh(path: Path, weld: float = 0.0) -> Mesh:
     """Read a gmsh mesh, version 2.2 or 4.1, text or binary.
 
     Physical groups become groups of nodes, edges and triangles. A line that is a side of a
@@ -36,7 +36,7 @@ def read_gmsh(path: Path) -> Mesh:
     Raises:
         MeshError: If the file cannot be read or describes an unusable mesh.
     """
-    return parse_gmsh(_plain(load_bytes(path)), str(path))
+    return parse_gmsh(_plain(load_bytes(path)), str(path), weld)
 
 
 def _plain(data: bytes) -> bytes:
@@ -44,14 +44,14 @@ def _plain(data: bytes) -> bytes:
     return decode(data, "replace").encode() if _FOREIGN.match(data) else data
 
 
-def parse_gmsh(data: bytes, where: str) -> Mesh:
+def parse_gmsh(data: bytes, where: str, weld: float = 0.0) -> Mesh:
     """Parse the bytes of a gmsh file; ``where`` names it in messages.
 
     Raises:
         MeshError: If the bytes are malformed or describe an unusable mesh.
     """
     guarded = guard(data, where)
-    return _assemble(_read(guarded.data, where), guarded, where)
+    return _assemble(_read(guarded.data, where), guarded, where, weld)
 
 
 def _read(data: bytes, where: str) -> Any:
@@ -88,7 +88,7 @@ class _Table:
         return builder.build()
 
 
-def _assemble(source: Any, guarded: Guarded, where: str) -> Mesh:
+def _assemble(source: Any, guarded: Guarded, where: str, weld: float) -> Mesh:
     """Build and validate the mesh from meshio's cell blocks."""
     members = GroupBuilder()
     blocks: dict[int, list[_Table]] = {
@@ -118,7 +118,7 @@ def _assemble(source: Any, guarded: Guarded, where: str) -> Mesh:
         triangle_groups=faces.groups(),
         notes=tuple(notes),
     )
-    return validate(mesh, where)
+    return validate(mesh, where, weld=weld)
 
 
 def _titles(source: Any, guarded: Guarded, number: int, dimension: int) -> list[tuple[str, ...]]:

@@ -11,7 +11,7 @@ from .gmsh import read_gmsh
 from .obj import read_obj
 from .text import read_text
 
-READERS: Mapping[str, Callable[[Path], Mesh]] = {
+READERS: Mapping[str, Callable[[Path, float], Mesh]] = {
     ".msh": read_gmsh,
     ".obj": read_obj,
     ".txt": read_text,
@@ -19,11 +19,12 @@ READERS: Mapping[str, Callable[[Path], Mesh]] = {
 """Reader of each file suffix."""
 
 
-def read_mesh(path: Path) -> Mesh:
+def read_mesh(path: Path, weld: float = 0.0) -> Mesh:
     """Read and validate a mesh file; its suffix decides the format.
 
     Args:
         path: A ``.msh`` (gmsh 2.2 or 4.1), ``.obj`` or ``.txt`` (DiSMech) file, in metres.
+        weld: Nodes up to this distance from each other become one [length unit of the file].
 
     Returns:
         The mesh, consistently wound, with ``notes`` on everything that was changed.
@@ -34,4 +35,4 @@ def read_mesh(path: Path) -> Mesh:
     reader = READERS.get(path.suffix.lower())
     if reader is None:
         raise MeshError(f"{path}: unknown mesh format {path.suffix!r}; expected {', '.join(READERS)}")
-    return reader(path)
+    return reader(path, weld)

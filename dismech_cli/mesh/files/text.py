@@ -26,7 +26,7 @@ _SECTIONS = {
 """Rows of each section, by its name in lower case: older files call them otherwise."""
 
 
-def read_text(path: Path) -> Mesh:
+def read_text(path: Path, weld: float = 0.0) -> Mesh:
     """Read a DiSMech text mesh.
 
     Node numbers count from 1; sections come in any order, ``#`` starts a comment, blank lines are
@@ -35,10 +35,10 @@ def read_text(path: Path) -> Mesh:
     Raises:
         MeshError: If the file cannot be read or describes an unusable mesh.
     """
-    return parse_text(load_text(path), str(path))
+    return parse_text(load_text(path), str(path), weld)
 
 
-def parse_text(text: str, where: str) -> Mesh:
+def parse_text(text: str, where: str, weld: float = 0.0) -> Mesh:
     """Parse the text of a DiSMech mesh; ``where`` names it in messages.
 
     Raises:
@@ -99,6 +99,7 @@ def parse_text(text: str, where: str) -> Mesh:
             edges=np.array(lines["edges"], dtype=np.int64),
             triangles=np.array(lines["triangles"], dtype=np.int64),
         ),
+        weld,
     )
 
 

@@ -31,6 +31,9 @@ class Rotation(Spec):
     about: LengthTriple = Field(default=(0.0, 0.0, 0.0), description="A point on the axis.")
 
 
+_WELD = Field(
+    default=0.0, description="Nodes of the file up to this distance from each other, once scaled, become one."
+)
 _ROTATE = Field(default=None, description="Turns the mesh, once scaled.")
 _MOVE = Field(default=(0.0, 0.0, 0.0), description="Moves the mesh, once scaled and turned.")
 
@@ -43,6 +46,7 @@ class MeshFile(Spec):
         default=None, min_length=1, description="Physical group of its lines; default: all lines."
     )
     scale: Scale = _SCALE
+    weld: Annotated[float, Quantity("length", ge=0)] = _WELD
     rotate: Rotation | None = _ROTATE
     move: LengthTriple = _MOVE
 
@@ -104,6 +108,7 @@ class SurfaceFile(Spec):
         default=None, min_length=1, description="Physical group of its triangles; default: all triangles."
     )
     scale: Scale = _SCALE
+    weld: Annotated[float, Quantity("length", ge=0)] = _WELD
     rotate: Rotation | None = _ROTATE
     move: LengthTriple = _MOVE
     flip: bool = Field(default=False, description="Turns the normals to the other side.")
