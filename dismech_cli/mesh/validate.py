@@ -59,8 +59,8 @@ def validate(mesh: Mesh, where: str, lines: Lines | None = None, weld: float = 0
 
     Raises:
         MeshError: For indices out of range, coordinates that are not finite, duplicate nodes,
-            edges or triangles, zero lengths and areas, folded neighbours, non-manifold edges and
-            surfaces that are not orientable. Elements count from 1 in messages.
+            edges or triangles, zero lengths and areas, neighbours and rods folded flat, non-manifold
+            edges and surfaces that are not orientable. Elements count from 1 in messages.
     """
     lines = lines or Lines()
     for what, array in (("nodes", mesh.nodes), ("edges", mesh.edges), ("triangles", mesh.triangles)):
@@ -164,8 +164,25 @@ def _coincident(unit: FloatArray) -> IntArray:
 
 
 def _check_edges(edges: IntArray, unit: FloatArray, where: str, at: IntArray | None) -> None:
+    if not len(edges):
+        return
     _refuse(edge_lengths(unit, edges) < LENGTH_TOLERANCE, edges, "edge", "has zero length", where, at)
     _refuse(_repeated(edges), edges, "edge", "repeats an earlier edge", where, at)
+    _refuse(_folded_back(edges, unit), edges, "edge", "folds straight back onto another edge", where, at)
+
+
+def _folded_back(edges: IntArray, unit: FloatArray) -> BoolArray:
+    """True for edges that leave a node as an earlier one does: the curvature there is infinite."""
+    start, end = edges.T.reshape(-1), edges[:, ::-1].T.reshape(-1)
+    away = unit[end] - unit[start]
+    away /= np.linalg.norm(away, axis=1, keepdims=True)
+    # Edges that leave a node alike also lie next to each other along a line: no need for all pairs.
+    order = np.lexsort((away @ _SKEW, start))
+    one, two = order[:-1], order[1:]
+    alike = np.einsum("ij,ij->i", away[one], away[two]) > 1.0 - FOLD_TOLERANCE
+    folded = np.zeros(len(edges), dtype=np.bool_)
+    folded[(np.maximum(one % len(edges), two % len(edges)))[alike & (start[one] == start[two])]] = True
+    return folded
 
 
 def _repeated(rows: IntArray) -> BoolArray:

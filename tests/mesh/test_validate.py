@@ -176,3 +176,17 @@ def test_after_repair_every_hinge_is_crossed_in_both_directions() -> None:
 def test_too_many_nodes_are_refused() -> None:
     nodes = np.broadcast_to(np.zeros(3), (6_000_000, 3))
     _refused(Mesh(nodes=nodes, edges=np.array([[0, 1]])), "6000000 nodes; a mesh may have 0 to 2000000")
+
+
+@pytest.mark.parametrize("scale", [1e-9, 1.0, 1e9])
+def test_a_rod_that_folds_back_is_refused_and_a_sharp_bend_is_not(scale: float) -> None:
+    chain = [[0, 1], [1, 2]]
+    ahead = np.array([[0, 0, 0], [5, 0, 0]]) * scale
+    for edges in (chain, [[0, 1], [2, 1]]):
+        _refused(
+            _mesh([*ahead, [scale, 0, 0]], edges=edges), r"edge 2 .* folds straight back onto another edge"
+        )
+    validate(_mesh([*ahead, [scale, 1e-3 * scale, 0]], edges=chain), "m")
+    star = [[0, 1], [0, 2], [0, 3], [0, 4]]
+    around = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [-1, 0, 0], [0, 2, 0]]
+    _refused(_mesh(np.array(around) * scale, edges=star), r"edge 4 .* folds straight back")
