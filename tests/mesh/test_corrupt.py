@@ -1,5 +1,6 @@
 """Whatever a mesh file holds, its reader gives a mesh or a MeshError."""
 
+import struct
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
@@ -14,6 +15,7 @@ from mesh_texts import BELL, HYBRID, MSH22, MSH41
 from dismech_cli.errors import MeshError
 from dismech_cli.mesh.files.gmsh import parse_gmsh
 from dismech_cli.mesh.files.obj import parse_obj
+from dismech_cli.mesh.files.stl import parse_stl
 from dismech_cli.mesh.files.text import parse_text
 from dismech_cli.mesh.mesh import Mesh
 
@@ -41,6 +43,15 @@ def _binary(version: str) -> bytes:
 READERS: dict[str, tuple[bytes, Callable[[bytes], Mesh]]] = {
     "text": (HYBRID.encode(), lambda data: parse_text(data.decode(errors="replace"), "m")),
     "obj": (BELL.encode(), lambda data: parse_obj(data.decode(errors="replace"), "m")),
+    "stl": (
+        b"solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 1 1 0\n"
+        b"endloop\nendfacet\nendsolid s\n",
+        lambda data: parse_stl(data, "m"),
+    ),
+    "stl binary": (
+        bytes(80) + struct.pack("<I12fH", 1, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1, 1, 0, 0),
+        lambda data: parse_stl(data, "m"),
+    ),
     "gmsh 4.1": (MSH41.encode(), lambda data: parse_gmsh(data, "m")),
     "gmsh 2.2": (MSH22.encode(), lambda data: parse_gmsh(data, "m")),
     "gmsh 4.1 binary": (_binary("gmsh"), lambda data: parse_gmsh(data, "m")),

@@ -75,8 +75,8 @@ def test_files_that_cannot_be_read(tmp_path: Path) -> None:
         read_mesh(tmp_path / "absent.txt")
     with pytest.raises(MeshError, match="not a regular file"):
         read_mesh(_folder(tmp_path))
-    with pytest.raises(MeshError, match=r"unknown mesh format '.stl'; expected .msh, .obj, .txt"):
-        read_mesh(tmp_path / "part.stl")
+    with pytest.raises(MeshError, match=r"unknown mesh format '.step'; expected .msh, .obj, .txt, .stl"):
+        read_mesh(tmp_path / "part.step")
     empty = tmp_path / "empty.txt"
     empty.touch()
     with pytest.raises(MeshError, match="neither rod edges nor triangles"):

@@ -103,7 +103,7 @@ class Rod(Spec):
 class SurfaceFile(Spec):
     """A surface read from a mesh file; bodies of one file share the nodes they have in common."""
 
-    file: FileName = Field(description="Mesh file (.msh, .obj, .txt).")
+    file: FileName = Field(description="Mesh file (.msh, .obj, .stl, .txt).")
     group: str | None = Field(
         default=None, min_length=1, description="Physical group of its triangles; default: all triangles."
     )
