@@ -11,6 +11,7 @@ from dismech_cli.arrays import FloatArray, IntArray
 from dismech_cli.energies.bend_isotropic import BEND_ISOTROPIC
 from dismech_cli.energies.bend_planar import BEND_PLANAR
 from dismech_cli.energies.bend_twist import BEND_TWIST
+from dismech_cli.energies.rigid_joint import COSINES, RIGID_JOINT, STIFFNESS
 from dismech_cli.energies.stretch import STRETCH, STRETCH_PLANAR
 from dismech_cli.forces.follower import Carrier, FollowerForce, FramedEdges, PlanarEdges
 from dismech_cli.forces.gravity import weight
@@ -286,6 +287,40 @@ def only_twist(term: StencilEnergy) -> StencilEnergy:
     return term.having({"EI_1": 0.0, "EI_2": 0.0})
 
 
+FULL_STIFFNESS = np.array([[1.7, 0.3, -0.5], [0.3, 0.7, 0.1], [-0.5, 0.1, 1.4]])
+"""Positive, and no component vanishes."""
+
+
+def rigid_joints(model: Model, stiffness: FloatArray = FULL_STIFFNESS) -> StencilEnergy:
+    """The joints of a framed model as rigid joints, stress-free in its rest shape.
+
+    Args:
+        model: The rod or network.
+        stiffness: Of every joint [N m], shape (3, 3).
+    """
+    plain = energy_of(model, "bend_twist")
+    places = plain.auxiliaries[:, :12]
+    signs = np.stack((plain.parameter("sign_e"), plain.parameter("sign_f")))
+    a = model.frames.transport(model.frames.rest(model.rest), model.rest).auxiliary[places]
+    x = model.rest[plain.dofs[:, :9]].reshape(-1, 3, 3)
+    e, f = (
+        np.stack((walked / np.linalg.norm(walked, axis=1)[:, None], m1, sign[:, None] * m2), axis=1)
+        for walked, m1, m2, sign in (
+            (x[:, 1] - x[:, 0], a[:, 0:3], a[:, 3:6], signs[0]),
+            (x[:, 2] - x[:, 1], a[:, 6:9], a[:, 9:12], signs[1]),
+        )
+    )
+    cosines = np.einsum("sic,sjc->ijs", e, f).reshape(9, -1)
+    parameters = {
+        **dict.fromkeys(RIGID_JOINT.naturals, 0.0),
+        **dict(zip(STIFFNESS, stiffness[np.triu_indices(3)], strict=True)),
+        **dict(zip(COSINES, cosines, strict=True)),
+        "sign_e": signs[0],
+        "sign_f": signs[1],
+    }
+    return StencilEnergy.of("joint", RIGID_JOINT, plain.dofs, parameters, places)
+
+
 MODELS: dict[str, Callable[..., Model]] = {
     "planar": planar_rod,
     "isotropic": isotropic_rod,
@@ -442,6 +477,8 @@ def term_cases() -> dict[str, TermCase]:
         "bend_framed_network": TermCase(only_bending(energy_of(network, "bend_twist")), network),
         "twist": TermCase(only_twist(energy_of(curved, "bend_twist")), curved),
         "twist_network": TermCase(only_twist(energy_of(network, "bend_twist")), network),
+        "rigid_joint": TermCase(rigid_joints(curved), curved),
+        "rigid_joint_network": TermCase(rigid_joints(network), network),
         "dead_load": _with(planar, _dead_load),
         "viscous": _with(space, _viscous),
         "resistive": _with(space, _resistive(chain5)),
