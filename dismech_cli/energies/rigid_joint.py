@@ -21,7 +21,7 @@ from typing import Any
 
 from ..geometry.blocks import add_block, outer_sum, symmetric_outer_sum
 from ..geometry.curvature import pack_edges_and_angles
-from ..geometry.frame_turn import transposed_turn, turn
+from ..geometry.frame_turn import transposed_turn, turn_from_rest
 from ..geometry.kernel import kernel
 from ..geometry.vectors import (
     Vector,
@@ -59,14 +59,7 @@ def rigid_joint(y: Any, a: Any, p: Any) -> Any:
     il, ir = 1.0 / norm(y[0:3]), 1.0 / norm(y[3:6])
     d0, d1, d2 = scale(il, y[0:3]), a[0:3], scale(se, a[3:6])
     f0, f1, f2 = scale(ir, y[3:6]), a[6:9], scale(sf, a[9:12])
-    w = turn(
-        d0,
-        d1,
-        d2,
-        combine(p[9], f0, 1.0, combine(p[10], f1, p[11], f2)),
-        combine(p[12], f0, 1.0, combine(p[13], f1, p[14], f2)),
-        combine(p[15], f0, 1.0, combine(p[16], f1, p[17], f2)),
-    )
+    w = turn_from_rest(d0, d1, d2, f0, f1, f2, p[9:18])
     u0, u1, u2 = dot(w, d0) - p[0], dot(w, d1) - p[1], dot(w, d2) - p[2]
     b0 = p[3] * u0 + p[4] * u1 + p[5] * u2
     b1 = p[4] * u0 + p[6] * u1 + p[7] * u2
@@ -136,4 +129,5 @@ RIGID_JOINT = Kernel(
     naturals=("w_0", "w_1", "w_2"),
     constants=(*STIFFNESS, *COSINES, "sign_e", "sign_f"),
     scales=(("S_00", "S_01", "S_02"), ("S_01", "S_11", "S_12"), ("S_02", "S_12", "S_22")),
+    shares=("bending",),
 )

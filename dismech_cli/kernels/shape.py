@@ -92,7 +92,8 @@ class Kernel:
         constants: Names of the stiffnesses and measures that end p.
         scales: For each natural strain, the stiffnesses that weigh it: where all of them vanish,
             the natural strain changes nothing.
-        shares: Names of the parts that the energy comes in, a tuple then; empty where it is one number.
+        shares: Names of the parts that the energy comes in, a tuple where they are several; empty where
+            it is one number that counts under the name of the term.
     """
 
     function: Callable[[Any, Any, Any], Any]

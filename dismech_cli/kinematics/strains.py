@@ -6,7 +6,8 @@ import numpy as np
 
 from ..arrays import FloatArray, IntArray
 from ..geometry.curvature import curvature_slopes, edge_pair, joint_directors
-from ..geometry.vectors import dot, scale
+from ..geometry.frame_turn import turn_from_rest
+from ..geometry.vectors import cross, dot, norm, scale
 from ..mesh.measure import side_vectors, triangle_areas
 
 
@@ -20,6 +21,18 @@ def curvature_binormal(positions: FloatArray, nodes: IntArray) -> FloatArray:
     e, f = _edge_vectors(positions, nodes)
     kb: FloatArray = edge_pair(e, f)[5].T
     return kb
+
+
+def joint_angles(positions: FloatArray, nodes: IntArray) -> FloatArray:
+    """Angle [rad] by which each joint turns, up to pi where it folds back, shape (J,).
+
+    Args:
+        positions: Space positions [m], shape (N, 3).
+        nodes: Node triples of the joints, shape (J, 3).
+    """
+    e, f = _edge_vectors(positions, nodes)
+    angle: FloatArray = np.arctan2(norm(cross(e, f)), dot(e, f))
+    return angle
 
 
 def material_curvatures(
@@ -55,6 +68,49 @@ def material_curvatures(
     )
     slopes = curvature_slopes(edge_pair(e, f)[5], d1, d2)
     return np.stack((-2.0 * slopes[1], 2.0 * slopes[0]))
+
+
+def joint_frames(
+    positions: FloatArray, nodes: IntArray, auxiliary: FloatArray, indices: IntArray, signs: FloatArray
+) -> FloatArray:
+    """Frames (t, m1, m2) of both edges of each joint as walked: edge, axis, component, shape (2, 3, 3, J).
+
+    Args:
+        positions: Space positions [m], shape (N, 3).
+        nodes: Node triples, shape (J, 3).
+        auxiliary: Auxiliary array of the trial frames.
+        indices: Places of m1e, m2e, m1f, m2f in it, shape (J, 12).
+        signs: Walking directions, shape (J, 2).
+    """
+    m = auxiliary[indices.T].reshape(2, 2, 3, -1)
+    tangents = (scale(1.0 / norm(edge), edge) for edge in _edge_vectors(positions, nodes))
+    return np.stack([np.stack((t, m[k, 0], signs[:, k] * m[k, 1])) for k, t in enumerate(tangents)])
+
+
+def corner_turns(frames: FloatArray, cosines: FloatArray) -> FloatArray:
+    """Turn from rest of each corner by components along its first frame, shape (3, J).
+
+    Args:
+        frames: Of both edges, shape (2, 3, 3, J).
+        cosines: Between the axes of both at rest, by rows, shape (9, J).
+    """
+    (d0, d1, d2), (f0, f1, f2) = frames
+    w = turn_from_rest(d0, d1, d2, f0, f1, f2, cosines)
+    return np.stack([dot(w, axis) for axis in (d0, d1, d2)])
+
+
+def planar_angles(positions: FloatArray, nodes: IntArray) -> FloatArray:
+    """Angle [rad] between both edges of each joint, shape (J,), from planar positions (N, 2)."""
+    e = positions[nodes[:, 1]] - positions[nodes[:, 0]]
+    f = positions[nodes[:, 2]] - positions[nodes[:, 1]]
+    angle: FloatArray = np.arctan2(e[:, 0] * f[:, 1] - e[:, 1] * f[:, 0], (e * f).sum(axis=1))
+    return angle
+
+
+def planar_turns(positions: FloatArray, nodes: IntArray, rest: FloatArray) -> FloatArray:
+    """Turn 2 tan(phi/2) of each joint from its angle at rest [rad], shape (J,), positions (N, 2)."""
+    turns: FloatArray = 2.0 * np.tan(0.5 * (planar_angles(positions, nodes) - rest))
+    return turns
 
 
 def planar_curvature(positions: FloatArray, nodes: IntArray) -> FloatArray:

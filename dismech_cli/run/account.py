@@ -81,9 +81,12 @@ class EnergyAccount:
         """All entries of the account at ``state`` [J]."""
         c = self._see(state).at(state)
         entries = {"kinetic": 0.5 * float(self._model.mass @ (state.v * state.v))}
+        parts = dict.fromkeys(self._roles.shares, 0.0)
         for term in self._elastic:
-            entries |= zip(term.shares, term.energy(c).sum(axis=1).tolist(), strict=True)
-        entries["elastic"] = sum(entries[name] for name in self._roles.shares)
+            for name, value in zip(term.shares, term.energy(c).sum(axis=1).tolist(), strict=True):
+                parts[name] += value
+        entries |= parts
+        entries["elastic"] = sum(parts.values())
         entries["gravitational"] = sum(float(term.energy(c).sum()) for term in self._gravitational)
         entries["total"] = entries["kinetic"] + entries["elastic"] + entries["gravitational"]
         s = self.sums

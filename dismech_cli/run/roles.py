@@ -25,5 +25,5 @@ class Roles:
 
     @property
     def shares(self) -> tuple[str, ...]:
-        """Names of all parts of the elastic energy."""
-        return tuple(name for term in self.elastic for name in term.shares)
+        """Names of all parts of the elastic energy; some are of several terms."""
+        return tuple(dict.fromkeys(name for term in self.elastic for name in term.shares))

@@ -9,7 +9,7 @@ import numpy as np
 
 from dismech_cli.arrays import FloatArray, IntArray
 from dismech_cli.energies.bend_isotropic import BEND_ISOTROPIC
-from dismech_cli.energies.bend_planar import BEND_PLANAR
+from dismech_cli.energies.bend_planar import BEND_PLANAR, CORNER_PLANAR
 from dismech_cli.energies.bend_twist import BEND_TWIST
 from dismech_cli.energies.rigid_joint import COSINES, RIGID_JOINT, STIFFNESS
 from dismech_cli.energies.stretch import STRETCH, STRETCH_PLANAR
@@ -321,6 +321,15 @@ def rigid_joints(model: Model, stiffness: FloatArray = FULL_STIFFNESS) -> Stenci
     return StencilEnergy.of("joint", RIGID_JOINT, plain.dofs, parameters, places)
 
 
+def planar_corners(model: Model) -> StencilEnergy:
+    """The joints of a planar model as corners, bent beyond their angles at rest."""
+    plain = energy_of(model, "bend")
+    angle = 2.0 * np.arctan(0.5 * plain.parameter("kappa"))
+    values = {name: plain.parameter(name) for name in ("EI", "voronoi")}
+    parameters = values | {"kappa": 0.3, "cos_phi0": np.cos(angle), "sin_phi0": np.sin(angle)}
+    return StencilEnergy.of("corner", CORNER_PLANAR, plain.dofs, parameters)
+
+
 MODELS: dict[str, Callable[..., Model]] = {
     "planar": planar_rod,
     "isotropic": isotropic_rod,
@@ -470,6 +479,7 @@ def term_cases() -> dict[str, TermCase]:
         "stretch": _of(network, "stretch"),
         "stretch_planar": _of(planar, "stretch"),
         "bend_planar": _of(planar, "bend"),
+        "corner_planar": TermCase(planar_corners(planar), planar),
         "bend_isotropic": _of(space, "bend"),
         "bend_twist": _of(curved, "bend_twist"),
         "bend_twist_network": _of(network, "bend_twist"),

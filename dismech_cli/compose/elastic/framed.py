@@ -42,7 +42,7 @@ def framed_bending(
         for row, name in ((curvature[0], "curvature_1"), (curvature[1], "curvature_2"), (torsion, "twist")):
             density = natural_density(scene, j, index, name)
             if density is not None:
-                row[members] = density * j.voronoi[members]
+                row[members] = density[j.number[members]] * j.voronoi[members]
     stencil = np.concatenate((node_dofs(dofs, j.triples), dofs.of_angles(j.pairs)), axis=1)
     torsional = in_series(scene.geometry, skeleton, "torsional")
     energy = StencilEnergy.of(

@@ -8,7 +8,8 @@ from ...arrays import FloatArray, IntArray
 from ...kinematics.dofs import DofMap
 from ..bodies.geometry import Geometry
 from ..scene import Scene
-from ..structure.skeleton import Joints, Skeleton
+from ..structure.joints import Joints
+from ..structure.skeleton import Skeleton
 
 
 def node_dofs(dofs: DofMap, nodes: IntArray) -> IntArray:
@@ -32,7 +33,7 @@ def in_series(geometry: Geometry, skeleton: Skeleton, name: str) -> FloatArray:
 
 
 def natural_density(scene: Scene, joints: Joints, rod: int, name: str) -> FloatArray | None:
-    """Natural strain per length that the user gives the joints of a rod, or None; shape (J_rod,).
+    """Natural strain per length that the user gives each joint of a rod, or None; shape (joints,).
 
     Raises:
         ScenarioError: A list has not one value per joint.
@@ -40,13 +41,13 @@ def natural_density(scene: Scene, joints: Joints, rod: int, name: str) -> FloatA
     value = getattr(scene.geometry.rods[rod].natural, name)
     if value is None:
         return None
-    members = np.flatnonzero(joints.rod == rod)
+    count = joints.counts[rod]
     if isinstance(value, float):
-        return np.full(len(members), value)
-    count = int(joints.number[members].max(initial=-1)) + 1
+        return np.full(max(count, 1), value)
     if len(value) != count:
         raise scene.error(
             ("geometry", scene.geometry.rod_keys[rod], "natural", name),
             f"{len(value)} values for {count} joints; expected one per joint",
         )
-    return np.array(value)[joints.number[members]]
+    # a rod of one edge has no joint but those at its ends
+    return np.array(value if count else (0.0,))

@@ -74,7 +74,7 @@ def planar_bending(
         density = natural_density(scene, joints, index, f"curvature_{component + 1}")
         if density is not None:
             members = joints.rod == index
-            natural[members] = sign * density * joints.voronoi[members]
+            natural[members] = sign * density[joints.number[members]] * joints.voronoi[members]
         hidden = f"curvature_{2 - component}"
         if getattr(geometry.rods[index].natural, hidden) is not None:
             raise scene.error(

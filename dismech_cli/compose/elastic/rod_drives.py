@@ -2,14 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
+from ...arrays import FloatArray, IntArray
+from ...laws.signal import Signal
 from ...model.driven import Drive, DrivenEnergy
 from ...model.stencil import StencilEnergy
-from ...scenario.language.actuation import ShellActuation
+from ...scenario.language.actuation import (
+    CurvatureActuation,
+    ShellActuation,
+    StretchActuation,
+    TwistActuation,
+)
 from ..scene import Scene
 from ..structure.plan import Bending
 from ..structure.structure import Structure
+from .corners import Corners
 from .rods import RodEnergies
 
 # Rows of natural strains: of an edge, of a framed joint.
@@ -27,6 +37,7 @@ def driven_rods(
     geometry, joints = scene.geometry, structure.skeleton.joints
     of_edges: list[Drive] = []
     of_joints: list[Drive] = []
+    of_corners: list[Drive] = []
     for index, actuation in enumerate(scene.scenario.actuation):
         if isinstance(actuation, ShellActuation):
             continue
@@ -35,30 +46,57 @@ def driven_rods(
         path = ("actuation", index)
         if actuation.type == "stretch":
             stencils = geometry.rod_edges[actuation.rod]
-            number = np.arange(len(stencils))
+            number, count = np.arange(len(stencils)), len(stencils)
             factors = np.ones(len(stencils))
         else:
             stencils = np.flatnonzero(joints.rod == rod)
-            number = joints.number[stencils]
-            factors = joints.voronoi[stencils].copy()
-        count = int(number.max(initial=-1)) + 1
-        places = number / max(count - 1, 1)
-        if actuation.joints is not None:
-            first, last = actuation.joints
-            if last >= count:
-                raise scene.error((*path, "joints"), f"rod '{actuation.rod}' has {count}, counted from 0")
-            chosen = (number >= first) & (number <= last)
-            stencils, places, factors = stencils[chosen], places[chosen], factors[chosen]
+            number, count = joints.number[stencils], int(joints.counts[rod])
+            factors = joints.voronoi[stencils]
+        if actuation.joints is not None and actuation.joints[1] >= count:
+            raise scene.error((*path, "joints"), f"rod '{actuation.rod}' has {count}, counted from 0")
         row = ROWS[actuation.type]
         if structure.plan.bending is Bending.PLANAR and actuation.type != "stretch":
             component, sign = rods.in_plane[rod]
             if actuation.type == "twist" or row != component:
                 raise scene.error((*path, "type"), f"{actuation.type} acts out of the plane of the scene")
             row, factors = 0, sign * factors
+        chosen = _chosen(actuation, number)
         drives = of_edges if actuation.type == "stretch" else of_joints
-        drives.append(Drive(row, stencils, law, places, factors))
+        places = _places(number[chosen], count)
+        drives.append(Drive(row, stencils[chosen], law, places, factors[chosen]))
+        if rods.corners is not None and actuation.type != "stretch":
+            of_corners += _corner_drives(rods.corners, rod, actuation, law)
+    corners = None if rods.corners is None else rods.corners.energy
     return tuple(
         DrivenEnergy(energy, tuple(drives)) if drives else energy
-        for energy, drives in ((rods.stretch, of_edges), (rods.bending, of_joints))
+        for energy, drives in ((rods.stretch, of_edges), (rods.bending, of_joints), (corners, of_corners))
         if energy is not None
     )
+
+
+def _corner_drives(
+    corners: Corners, rod: int, actuation: CurvatureActuation | TwistActuation, law: Signal
+) -> Iterator[Drive]:
+    """Drives of the halves of a rod's edges at its corners."""
+    joints, response = corners.joints, corners.responses[actuation.type]
+    for side in range(2):
+        mine = np.flatnonzero(joints.rods[:, side] == rod)
+        number = joints.numbers[mine, side]
+        chosen = _chosen(actuation, number)
+        mine, places = mine[chosen], _places(number[chosen], int(joints.counts[rod]))
+        for row, factors in enumerate(response[side][:, mine]):
+            if factors.any():
+                yield Drive(row, mine, law, places, factors)
+
+
+def _chosen(actuation: StretchActuation | CurvatureActuation | TwistActuation, number: IntArray) -> IntArray:
+    """Which of some edges or joints are driven, by their numbers along the rod."""
+    if actuation.joints is None:
+        return np.arange(len(number))
+    first, last = actuation.joints
+    return np.flatnonzero((number >= first) & (number <= last))
+
+
+def _places(number: IntArray, count: int) -> FloatArray:
+    """Place of each in [0, 1] along the rod."""
+    return number / max(count - 1, 1)

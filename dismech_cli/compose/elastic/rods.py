@@ -21,6 +21,7 @@ from ...model.stencil import StencilEnergy
 from ..scene import Scene
 from ..structure.plan import Bending
 from ..structure.structure import Structure
+from .corners import CORNERS, Corners
 from .framed import framed_bending
 from .joints import in_series, node_dofs
 from .planar import in_plane, planar_bending
@@ -48,6 +49,7 @@ class RodEnergies:
             constants of ``stretch``.
         bending: Bending energy of the joints, with that of twisting where rods are framed; None
             without joints.
+        corners: Energy of the joints at an angle, or None without them.
         bending_stiffness: EI1 and EI2 of each joint [N m^2], shape (2, J).
         in_plane: Planar scenes: which natural curvature (0 or 1) lies in the plane, and its sign,
             per rod, shape (rods, 2).
@@ -57,6 +59,7 @@ class RodEnergies:
     stretch: StencilEnergy | None = None
     axial: Callable[..., Any] = axial
     bending: StencilEnergy | None = None
+    corners: Corners | None = None
     bending_stiffness: FloatArray = field(default_factory=_no_stiffness)
     in_plane: IntArray = field(default_factory=_no_rods)
     directors: IntArray = field(default_factory=_no_places)
@@ -77,8 +80,15 @@ def rod_energies(scene: Scene, structure: Structure) -> RodEnergies:
     law = STRETCHES[bool(_rubber(scene).any())]
     stretch = _stretch(scene, structure, law)
     inside = in_plane(scene, structure) if bending is Bending.PLANAR else _no_rods()
+    corners = CORNERS[bending](scene, structure, inside)
     if len(joints.triples) == 0:
-        return RodEnergies(stretch=stretch, axial=law.axial, bending_stiffness=stiffness, in_plane=inside)
+        return RodEnergies(
+            stretch=stretch,
+            axial=law.axial,
+            corners=corners,
+            bending_stiffness=stiffness,
+            in_plane=inside,
+        )
     places = _no_places()
     if bending is Bending.FRAMED:
         energy, places = framed_bending(scene, structure, stiffness)
@@ -90,6 +100,7 @@ def rod_energies(scene: Scene, structure: Structure) -> RodEnergies:
         stretch=stretch,
         axial=law.axial,
         bending=energy,
+        corners=corners,
         bending_stiffness=stiffness,
         in_plane=inside,
         directors=places,

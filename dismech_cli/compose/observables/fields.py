@@ -9,6 +9,7 @@ import numpy as np
 
 from ...kinematics.rod_frames import RodFrames
 from ...output.frame import Topology
+from ...run.observables.corners import CornerStrains, NoCorners
 from ...run.observables.rod_fields import (
     AxialForceField,
     AxialStrainField,
@@ -78,7 +79,7 @@ def _velocity(scene: Scene, structure: Structure, rods: RodEnergies) -> Field:
 
 def _curvature(scene: Scene, structure: Structure, rods: RodEnergies) -> Field:
     joints = structure.skeleton.joints
-    return CurvatureField(len(scene.geometry.nodes), joints.triples, joints.voronoi)
+    return CurvatureField(len(scene.geometry.nodes), joints.triples, joints.voronoi, _corners(rods))
 
 
 def _twist(scene: Scene, structure: Structure, rods: RodEnergies) -> Field:
@@ -86,13 +87,15 @@ def _twist(scene: Scene, structure: Structure, rods: RodEnergies) -> Field:
     if structure.plan.bending is not Bending.FRAMED:
         # a planar rod has no twist: an empty list of joints reports zero everywhere
         empty = np.empty((0, 2), dtype=np.int64)
-        return TwistField(len(scene.geometry.nodes), empty[:, 0], np.empty(0), empty, np.empty((0, 2)))
+        nothing = (empty[:, 0], np.empty(0), empty, np.empty((0, 2)), NoCorners())
+        return TwistField(len(scene.geometry.nodes), *nothing)
     return TwistField(
         len(scene.geometry.nodes),
         joints.triples[:, 1],
         joints.voronoi,
         dofs.of_angles(joints.pairs),
         joints.signs,
+        _corners(rods),
     )
 
 
@@ -110,7 +113,11 @@ def _axial_force(scene: Scene, structure: Structure, rods: RodEnergies) -> Field
 def _bending_moment(scene: Scene, structure: Structure, rods: RodEnergies) -> Field:
     joints = structure.skeleton.joints
     measure = _curvatures(structure, rods)
-    return MomentField(len(scene.geometry.nodes), joints.triples, joints.voronoi, measure)
+    return MomentField(len(scene.geometry.nodes), joints.triples, joints.voronoi, measure, _corners(rods))
+
+
+def _corners(rods: RodEnergies) -> CornerStrains:
+    return NoCorners() if rods.corners is None else rods.corners.strains
 
 
 def _curvatures(structure: Structure, rods: RodEnergies) -> Curvatures:

@@ -12,7 +12,7 @@ from importlib.util import find_spec
 
 import numpy as np
 
-from ...kinematics.strains import curvature_binormal
+from ...kinematics.strains import joint_angles
 from ...mesh.topology.rods import ChainKind, chains, rod_stencils
 from ...scenario.language.actuation import CurvatureActuation, TwistActuation
 from ...scenario.language.force import Distributed, Point
@@ -25,7 +25,7 @@ from ..shells.bending import bending_of
 from .doubts import scene_doubts
 from .holds import Hold, twists
 
-# A rest shape counts as straight below this integrated curvature; mesh files carry 1e-10.
+# A rest shape counts as straight below this angle between edges [rad]; mesh files carry 1e-10.
 _STRAIGHT = 1e-9
 # Compiling costs about 10 s; below this much estimated NumPy time it never pays [stencil updates].
 _COMPILE_WORTH = 2_000_000
@@ -161,7 +161,7 @@ def _needs_frames(scene: Scene, holds: tuple[Hold, ...]) -> str:
         if any(value is not None for value in (natural.curvature_1, natural.curvature_2, natural.twist)):
             return f"rod '{rod.name}' has natural curvature or twist"
     triples, _, _ = rod_stencils(len(geometry.nodes), geometry.edges)
-    if len(triples) and np.abs(curvature_binormal(geometry.nodes, triples)).max() > _STRAIGHT:
+    if len(triples) and joint_angles(geometry.nodes, triples).max() > _STRAIGHT:
         return "a rest shape is curved"
     if any(chain.kind is not ChainKind.OPEN for chain in chains(len(geometry.nodes), geometry.edges)):
         return "a rod is closed or branches"

@@ -6,32 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...arrays import BoolArray, FloatArray, IntArray
+from ...arrays import FloatArray, IntArray
 from ...mesh.measure import edge_lengths
-from ...mesh.topology.rods import chains, rod_stencils
 from ..bodies.geometry import Geometry
+from .corners import sharp_joints
 from .holds import Hold
-
-
-@dataclass(frozen=True, slots=True)
-class Joints:
-    """Bend-twist stencils of all rods, walls of clamps included.
-
-    Attributes:
-        triples: Nodes, shape (J, 3).
-        pairs: Edges, shape (J, 2).
-        signs: Walking directions, shape (J, 2).
-        voronoi: Length over which each joint bends [m], shape (J,).
-        rod: Rod of each joint, -1 between rods, shape (J,).
-        number: Number of the joint along its rod, shape (J,); a wall has that of its neighbour.
-    """
-
-    triples: IntArray
-    pairs: IntArray
-    signs: FloatArray
-    voronoi: FloatArray
-    rod: IntArray
-    number: IntArray
+from .joints import Edges, Joints, make_joints
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +24,8 @@ class Skeleton:
         owners: Edge of the geometry that each wall continues, shape (W,).
         wall_nodes: Node of the geometry at each wall, shape (W,).
         rest_lengths: Edge lengths [m], shape (E + W,).
-        joints: Bend-twist stencils.
+        joints: Where edges meet along one smooth line, or three and more at a node.
+        corners: Where two edges alone meet at an angle that no curve has.
     """
 
     positions: FloatArray
@@ -53,30 +34,12 @@ class Skeleton:
     wall_nodes: IntArray
     rest_lengths: FloatArray
     joints: Joints
+    corners: Joints
 
     @property
     def visible(self) -> int:
         """Nodes of the geometry; those of walls come after them."""
         return len(self.positions) - len(self.wall_nodes)
-
-
-@dataclass(frozen=True, slots=True)
-class _Edges:
-    """All edges, walls included.
-
-    Attributes:
-        n_nodes: Nodes, those of walls included.
-        ends: Their nodes, shape (E + W, 2).
-        rest: Their lengths [m], shape (E + W,).
-        rigid: Whether they bend nothing, shape (E + W,).
-        rod: Their rods, shape (E + W,).
-    """
-
-    n_nodes: int
-    ends: IntArray
-    rest: FloatArray
-    rigid: BoolArray
-    rod: IntArray
 
 
 def make_skeleton(geometry: Geometry, holds: tuple[Hold, ...]) -> Skeleton:
@@ -106,61 +69,14 @@ def make_skeleton(geometry: Geometry, holds: tuple[Hold, ...]) -> Skeleton:
     for hold in holds:
         rigid[hold.rigid] = True
     edge_rod = np.concatenate((geometry.edge_rod, geometry.edge_rod[owners]))
+    joints = make_joints(geometry, Edges(all_positions, all_edges, rest, rigid, edge_rod))
+    sharp = sharp_joints(geometry, all_positions, joints)
     return Skeleton(
         all_positions,
         all_edges,
         owners,
         wall_nodes,
         rest,
-        _joints(geometry, _Edges(len(all_positions), all_edges, rest, rigid, edge_rod)),
+        joints.some(~sharp),
+        joints.some(sharp),
     )
-
-
-def _joints(geometry: Geometry, edges: _Edges) -> Joints:
-    triples, pairs, signs = rod_stencils(edges.n_nodes, edges.ends)
-    rods = edges.rod[pairs]
-    kept = _passing(geometry, triples, rods)
-    triples, pairs, signs, rods = triples[kept], pairs[kept], signs[kept], rods[kept]
-    half = np.where(edges.rigid, 0.0, 0.5 * edges.rest)
-    voronoi = half[pairs].sum(axis=1)
-    # between two held edges nothing can bend; any length will do
-    voronoi = np.where(voronoi > 0.0, voronoi, 0.5 * edges.rest[pairs].sum(axis=1))
-    rod = np.where(rods[:, 0] == rods[:, 1], rods[:, 0], -1)
-    return Joints(triples, pairs, signs.astype(np.float64), voronoi, rod, _numbers(geometry, triples, rod))
-
-
-def _passing(geometry: Geometry, triples: IntArray, rods: IntArray) -> BoolArray:
-    """Mask of the joints through which bending and twist pass: hinges left out, shape (J,).
-
-    Args:
-        geometry: The rods.
-        triples: Nodes of the joints, shape (J, 3).
-        rods: Rods of their two edges, shape (J, 2).
-    """
-    centre = triples[:, 1]
-    released = np.isin(centre, geometry.hinges)
-    same = rods[:, 0] == rods[:, 1]
-    released |= np.isin(centre, geometry.rod_hinges) & ~same
-    node, rod = geometry.parted.T
-    released |= np.isin(centre * len(geometry.rods) + rods[:, 0], node * len(geometry.rods) + rod) & same
-    kept: BoolArray = ~released
-    return kept
-
-
-def _numbers(geometry: Geometry, triples: IntArray, rod: IntArray) -> IntArray:
-    """Number each joint along its rod from the start of the rod."""
-    number = np.zeros(len(triples), dtype=np.int64)
-    for index, one in enumerate(geometry.rods):
-        members = np.flatnonzero(rod == index)
-        place = np.full(len(geometry.nodes), -1)
-        count = 0
-        for chain in chains(len(geometry.nodes), geometry.edges[geometry.rod_edges[one.name]]):
-            inner = chain.nodes[1:-1] if chain.kind.value == "open" else chain.nodes
-            place[inner] = count + np.arange(len(inner))
-            if chain.kind.value == "open":
-                # the joints at walls count as their inner neighbours
-                place[chain.nodes[0]] = count
-                place[chain.nodes[-1]] = count + max(len(inner) - 1, 0)
-            count += len(inner)
-        number[members] = place[triples[members, 1]]
-    return number

@@ -12,6 +12,7 @@ from ...arrays import FloatArray, IntArray
 from ...kinematics.strains import curvature_binormal, material_curvatures
 from ...mesh.measure import edge_lengths
 from ...output.frame import FieldSpec
+from .corners import CornerStrains
 from .snapshot import Snapshot
 
 VELOCITY = FieldSpec(name="velocity", unit="m/s", long_name="nodal velocity", location="node", components=3)
@@ -56,17 +57,22 @@ class VelocityField:
 
 @dataclass(frozen=True, slots=True)
 class CurvatureField:
-    """Curvature |kappa b| / l_v of the centreline; zero at free ends, the largest at junctions."""
+    """Curvature |kappa b| / l_v of the centreline; zero at free ends, the largest at junctions.
+
+    At corners it is what they have bent from rest: their angle is no curvature.
+    """
 
     visible: int
     triples: IntArray
     voronoi: FloatArray
+    corners: CornerStrains
     spec: FieldSpec = CURVATURE
 
     def __call__(self, s: Snapshot) -> FloatArray:
         """Values (N,)."""
         density = np.linalg.norm(curvature_binormal(s.positions, self.triples), axis=1) / self.voronoi
-        return _largest_at(self.triples[:, 1], density, self.visible)
+        nodes = np.concatenate((self.triples[:, 1], self.corners.nodes))
+        return _largest_at(nodes, np.concatenate((density, self.corners.curvature(s))), self.visible)
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,12 +83,15 @@ class MomentField:
     triples: IntArray
     voronoi: FloatArray
     measure: Curvatures
+    corners: CornerStrains
     spec: FieldSpec = BENDING_MOMENT
 
     def __call__(self, s: Snapshot) -> FloatArray:
         """Values (N,)."""
         moments = self.measure(s) / self.voronoi
-        return _largest_at(self.triples[:, 1], np.sqrt((moments**2).sum(axis=0)), self.visible)
+        size = np.concatenate((np.sqrt((moments**2).sum(axis=0)), self.corners.moment(s)))
+        nodes = np.concatenate((self.triples[:, 1], self.corners.nodes))
+        return _largest_at(nodes, size, self.visible)
 
 
 class Curvatures(Protocol):
@@ -171,14 +180,16 @@ class TwistField:
     voronoi: FloatArray
     angles: IntArray
     signs: FloatArray
+    corners: CornerStrains
     spec: FieldSpec = TWIST
 
     def __call__(self, s: Snapshot) -> FloatArray:
         """Values (N,)."""
         tau = joint_twist(s, self.angles, self.signs) / self.voronoi
         out = np.zeros(len(s.positions))
-        np.add.at(out, self.centres, tau)
-        count = np.bincount(self.centres, minlength=len(out))
+        nodes = np.concatenate((self.centres, self.corners.nodes))
+        np.add.at(out, nodes, np.concatenate((tau, self.corners.twist(s))))
+        count = np.bincount(nodes, minlength=len(out))
         return (out / np.maximum(count, 1))[: self.visible]
 
 

@@ -1,0 +1,164 @@
+"""Joints of two rod edges at an angle: half an edge of either rod in series, each with its own axes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+
+from ...arrays import FloatArray, IntArray
+from ...energies.bend_planar import CORNER_PLANAR
+from ...energies.rigid_joint import COSINES, RIGID_JOINT, STIFFNESS
+from ...kinematics.rod_frames import RodFrames
+from ...kinematics.strains import joint_frames, planar_angles
+from ...model.stencil import StencilEnergy
+from ...run.observables.corners import CornerStrains, FramedCorners, PlanarCorners
+from ..scene import Scene
+from ..structure.joints import Joints
+from ..structure.plan import Bending
+from ..structure.structure import Structure
+from .joints import natural_density, node_dofs
+
+_NAME = "corners"
+
+
+@dataclass(frozen=True, slots=True)
+class Corners:
+    """The energy of all corners, and what natural strains of their rods do to it.
+
+    Attributes:
+        joints: Where they are.
+        energy: Stress-free at rest but for the natural strains, which add to the angle.
+        responses: For each natural strain of a rod by its name, the kernel's per unit density on either
+            edge [m], shape (2, naturals, J).
+        strains: What fields report.
+    """
+
+    joints: Joints
+    energy: StencilEnergy
+    responses: Mapping[str, FloatArray]
+    strains: CornerStrains
+
+
+Maker: TypeAlias = Callable[[Scene, Structure, IntArray], Corners | None]
+
+
+def _none(scene: Scene, structure: Structure, inside: IntArray) -> None:
+    """Rods without frames in space are straight, and so are their joints."""
+    return None
+
+
+def _framed(scene: Scene, structure: Structure, inside: IntArray) -> Corners | None:
+    corners, dofs, frames = structure.skeleton.corners, structure.dofs, structure.rod_frames
+    if not len(corners.triples):
+        return None
+    assert isinstance(frames, RodFrames)
+    places = frames.director_places(corners.pairs).reshape(-1, 12)
+    rest = frames.transport(frames.rest(structure.rest), structure.rest)
+    d, f = joint_frames(structure.positions, corners.triples, rest.auxiliary, places, corners.signs)
+    cosines = np.einsum("icJ,jcJ->Jij", d, f)
+    per_rod = np.array(
+        # a curvature 1 is a turn about m2, a curvature 2 one about m1
+        [(1.0 / p.torsional, 1.0 / p.bending_2, 1.0 / p.bending_1) for p in scene.geometry.properties]
+    )
+    compliance = corners.halves[:, :, None] * per_rod[corners.rods]
+    of_e = compliance[:, 0, :, None] * np.eye(3)
+    of_f = np.einsum("Jik,Jk,Jjk->Jij", cosines, compliance[:, 1], cosines)
+    stiffness = np.linalg.inv(of_e + of_f)
+    rows, columns = np.triu_indices(3)
+    responses = {name: _response(axis, corners, cosines) for name, axis in _axes(corners).items()}
+    energy = StencilEnergy.of(
+        _NAME,
+        RIGID_JOINT,
+        np.concatenate((node_dofs(dofs, corners.triples), dofs.of_angles(corners.pairs)), axis=1),
+        {
+            **dict(zip(RIGID_JOINT.naturals, _natural(scene, corners, responses), strict=True)),
+            **dict(zip(STIFFNESS, stiffness[:, rows, columns].T, strict=True)),
+            **dict(zip(COSINES, cosines.reshape(-1, 9).T, strict=True)),
+            "sign_e": corners.signs[:, 0],
+            "sign_f": corners.signs[:, 1],
+        },
+        places,
+    )
+    strains = FramedCorners(
+        corners.triples,
+        corners.voronoi,
+        places,
+        corners.signs,
+        np.ascontiguousarray(cosines.reshape(-1, 9).T),
+        np.ascontiguousarray(stiffness.transpose(1, 2, 0)),
+        _NAME,
+    )
+    return Corners(corners, energy, responses, strains)
+
+
+def _axes(corners: Joints) -> Mapping[str, FloatArray]:
+    """Turn by each natural strain about the axes of either edge as walked, shape (J, 2, 3).
+
+    Walked backwards, a rod twists alike and bends alike about its second director, which turns round
+    with it, while its first one stays and sees the other side.
+    """
+    out = {name: np.zeros((*corners.pairs.shape, 3)) for name in ("twist", "curvature_1", "curvature_2")}
+    out["twist"][..., 0] = out["curvature_1"][..., 2] = 1.0
+    out["curvature_2"][..., 1] = -corners.signs
+    return out
+
+
+def _response(axis: FloatArray, corners: Joints, cosines: FloatArray) -> FloatArray:
+    """What a unit density on the halves of either edge turns, in the frame of e, shape (2, 3, J)."""
+    along = axis * corners.halves[..., None]
+    return np.stack((along[:, 0].T, np.einsum("Jij,Jj->iJ", cosines, along[:, 1])))
+
+
+def _planar(scene: Scene, structure: Structure, inside: IntArray) -> Corners | None:
+    corners, dofs = structure.skeleton.corners, structure.dofs
+    if not len(corners.triples):
+        return None
+    properties = scene.geometry.properties
+    stiff = np.array(
+        [(p.bending_1, p.bending_2)[which] for p, which in zip(properties, inside[:, 0], strict=True)]
+    )
+    stiffness = corners.voronoi / (corners.halves / stiff[corners.rods]).sum(axis=1)
+    angle = planar_angles(dofs.positions(structure.rest), corners.triples)
+    responses = {}
+    for component, name in enumerate(("curvature_1", "curvature_2")):
+        sign = np.where(inside[:, 0] == component, inside[:, 1], 0)[corners.rods]
+        responses[name] = (sign * corners.signs * corners.halves).T[:, None]
+    energy = StencilEnergy.of(
+        _NAME,
+        CORNER_PLANAR,
+        node_dofs(dofs, corners.triples),
+        {
+            "kappa": _natural(scene, corners, responses)[0],
+            "EI": stiffness,
+            "voronoi": corners.voronoi,
+            "cos_phi0": np.cos(angle),
+            "sin_phi0": np.sin(angle),
+        },
+    )
+    strains = PlanarCorners(corners.triples, corners.voronoi, angle, stiffness, _NAME)
+    return Corners(corners, energy, responses, strains)
+
+
+def _natural(scene: Scene, corners: Joints, responses: Mapping[str, FloatArray]) -> FloatArray:
+    """Natural strain from what the user gives the rods on both sides, shape (naturals, J)."""
+    out: FloatArray = np.zeros(next(iter(responses.values())).shape[1:])
+    for index in range(len(scene.geometry.rods)):
+        for name, response in responses.items():
+            density = natural_density(scene, corners, index, name)
+            if density is None:
+                continue
+            for side in range(2):
+                mine = corners.rods[:, side] == index
+                out[:, mine] += response[side][:, mine] * density[corners.numbers[mine, side]]
+    return out
+
+
+CORNERS: Mapping[Bending, Maker] = {
+    Bending.FRAMED: _framed,
+    Bending.PLANAR: _planar,
+    Bending.ISOTROPIC: _none,
+}
+"""What makes the corners of rods that bend one way or another."""

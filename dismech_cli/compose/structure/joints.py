@@ -1,0 +1,138 @@
+"""Joints of rods: every pair of edges between which bending and twist pass."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...arrays import BoolArray, FloatArray, IntArray
+from ...mesh.topology.rods import chains, rod_stencils
+from ..bodies.geometry import Geometry
+
+
+@dataclass(frozen=True, slots=True)
+class Joints:
+    """Pairs of edges at a node, walls of clamps included.
+
+    Attributes:
+        triples: Nodes, shape (J, 3).
+        pairs: Edges, shape (J, 2).
+        signs: Walking directions, shape (J, 2).
+        halves: Length of either edge that bends at the joint [m], shape (J, 2).
+        rods: Rod of either edge, shape (J, 2).
+        numbers: Number of the joint along the rod of either edge, shape (J, 2); at the ends of a rod, walls
+            too, that of its neighbour.
+        counts: Joints of each rod, whatever their kind, shape (rods,).
+    """
+
+    triples: IntArray
+    pairs: IntArray
+    signs: FloatArray
+    halves: FloatArray
+    rods: IntArray
+    numbers: IntArray
+    counts: IntArray
+
+    @property
+    def voronoi(self) -> FloatArray:
+        """Length over which each joint bends [m], shape (J,)."""
+        length: FloatArray = self.halves.sum(axis=1)
+        return length
+
+    @property
+    def rod(self) -> IntArray:
+        """Rod of each joint, -1 between rods, shape (J,)."""
+        return np.where(self.rods[:, 0] == self.rods[:, 1], self.rods[:, 0], -1)
+
+    @property
+    def number(self) -> IntArray:
+        """Number of each joint along its rod, 0 between rods, shape (J,)."""
+        return np.where(self.rod < 0, 0, self.numbers[:, 0])
+
+    def some(self, kept: BoolArray) -> Joints:
+        """Those of a mask (J,)."""
+        return Joints(
+            self.triples[kept],
+            self.pairs[kept],
+            self.signs[kept],
+            self.halves[kept],
+            self.rods[kept],
+            self.numbers[kept],
+            self.counts,
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Edges:
+    """All edges, walls included.
+
+    Attributes:
+        positions: Rest positions of all nodes, those of walls included [m], shape (N + W, 3).
+        ends: Their nodes, shape (E + W, 2).
+        rest: Their lengths [m], shape (E + W,).
+        rigid: Whether they bend nothing, shape (E + W,).
+        rod: Their rods, shape (E + W,).
+    """
+
+    positions: FloatArray
+    ends: IntArray
+    rest: FloatArray
+    rigid: BoolArray
+    rod: IntArray
+
+
+def make_joints(geometry: Geometry, edges: Edges) -> Joints:
+    """All joints through which bending or twist passes."""
+    triples, pairs, signs = rod_stencils(len(edges.positions), edges.ends)
+    rods = edges.rod[pairs]
+    kept = _passing(geometry, triples, rods)
+    triples, pairs, signs, rods = triples[kept], pairs[kept], signs[kept], rods[kept]
+    halves = np.where(edges.rigid, 0.0, 0.5 * edges.rest)[pairs]
+    # between two held edges nothing can bend; any length will do
+    held = halves.sum(axis=1) == 0.0
+    halves[held] = 0.5 * edges.rest[pairs[held]]
+    numbers = _numbers(geometry, triples, rods)
+    same = rods[:, 0] == rods[:, 1]
+    counts = np.array(
+        [int(numbers[same & (rods[:, 0] == k), 0].max(initial=-1)) + 1 for k in range(len(geometry.rods))],
+        dtype=np.int64,
+    )
+    return Joints(triples, pairs, signs.astype(np.float64), halves, rods, numbers, counts)
+
+
+def _passing(geometry: Geometry, triples: IntArray, rods: IntArray) -> BoolArray:
+    """Mask of the joints through which bending and twist pass: hinges left out, shape (J,).
+
+    Args:
+        geometry: The rods.
+        triples: Nodes of the joints, shape (J, 3).
+        rods: Rods of their two edges, shape (J, 2).
+    """
+    centre = triples[:, 1]
+    released = np.isin(centre, geometry.hinges)
+    same = rods[:, 0] == rods[:, 1]
+    released |= np.isin(centre, geometry.rod_hinges) & ~same
+    node, rod = geometry.parted.T
+    released |= np.isin(centre * len(geometry.rods) + rods[:, 0], node * len(geometry.rods) + rod) & same
+    kept: BoolArray = ~released
+    return kept
+
+
+def _numbers(geometry: Geometry, triples: IntArray, rods: IntArray) -> IntArray:
+    """Number each joint along the rods of its edges from their starts, shape (J, 2)."""
+    numbers = np.zeros(rods.shape, dtype=np.int64)
+    for index, one in enumerate(geometry.rods):
+        place = np.full(len(geometry.nodes), -1)
+        count = 0
+        for chain in chains(len(geometry.nodes), geometry.edges[geometry.rod_edges[one.name]]):
+            inner = chain.nodes[1:-1] if chain.kind.value == "open" else chain.nodes
+            place[inner] = count + np.arange(len(inner))
+            if chain.kind.value == "open":
+                # the joints at its ends count as their inner neighbours
+                place[chain.nodes[0]] = count
+                place[chain.nodes[-1]] = count + max(len(inner) - 1, 0)
+            count += len(inner)
+        joint, side = np.nonzero(rods == index)
+        numbers[joint, side] = place[triples[joint, 1]]
+    return numbers
