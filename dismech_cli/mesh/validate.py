@@ -172,7 +172,10 @@ def _check_edges(edges: IntArray, unit: FloatArray, where: str, at: IntArray | N
 
 
 def _folded_back(edges: IntArray, unit: FloatArray) -> BoolArray:
-    """True for edges that leave a node as an earlier one does: the curvature there is infinite."""
+    """True for edges that leave a branching node as an earlier one does: the curvature there is infinite.
+
+    Two edges alone at a node are a corner, which may be folded.
+    """
     start, end = edges.T.reshape(-1), edges[:, ::-1].T.reshape(-1)
     away = unit[end] - unit[start]
     away /= np.linalg.norm(away, axis=1, keepdims=True)
@@ -181,7 +184,9 @@ def _folded_back(edges: IntArray, unit: FloatArray) -> BoolArray:
     one, two = order[:-1], order[1:]
     alike = np.einsum("ij,ij->i", away[one], away[two]) > 1.0 - FOLD_TOLERANCE
     folded = np.zeros(len(edges), dtype=np.bool_)
-    folded[(np.maximum(one % len(edges), two % len(edges)))[alike & (start[one] == start[two])]] = True
+    branching = np.bincount(start)[start[one]] > 2
+    folds = alike & branching & (start[one] == start[two])
+    folded[(np.maximum(one % len(edges), two % len(edges)))[folds]] = True
     return folded
 
 

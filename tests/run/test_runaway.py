@@ -93,8 +93,7 @@ def test_growth_short_of_a_blow_up_is_a_doubt(tmp_path: Path) -> None:
     simulation = compose(dismech_cli.load(deck)).simulation
     result = run(replace(simulation, integrator=Amplifying(1.15)), Memory())
     assert result.end is End.DONE
-    (doubt,) = result.doubts
-    assert "came from nowhere" in doubt
+    assert sum("came from nowhere" in doubt for doubt in result.doubts) == 1
 
 
 @pytest.mark.parametrize("gain", [1e200, 1e300])

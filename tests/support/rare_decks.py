@@ -267,6 +267,19 @@ def unprojected() -> Rare:
     )
 
 
+def turned() -> Rare:
+    """A rod from a file, turned about a point of it."""
+
+    def stands(made: Composition) -> None:
+        assert_allclose(made.geometry.nodes, [[1, -1, 0], [1, 0, 0], [1, 1, 0]], atol=1e-15)
+
+    quarter = {"axis": [0, 0, 1], "angle": "90 deg", "about": [1, 0, 0]}
+    deck = rod_deck({}, rod={"mesh": {"file": "rod.txt", "rotate": quarter}}, dimension=3, numerics=SHORT)
+    del deck["geometry"][0]["generate"]
+    text = "*Nodes\n0, 0, 0\n1, 0, 0\n2, 0, 0\n*Edges\n1, 2\n2, 3\n"
+    return Rare(deck, stands, classes=frozenset({"Rotation"}), files={"rod.txt": text})
+
+
 def run_by(name: str, driver: type) -> Rare:
     def drives(made: Composition) -> None:
         assert made.plan.kernels == name
@@ -348,6 +361,7 @@ RARE: dict[str, Rare] = {
     **BODIES,
     **{name: solved_by(name) for name in ("banded", "dense", "pardiso", "superlu")},
     "projection none": unprojected(),
+    "mesh rotated": turned(),
     "numpy": run_by("numpy", NumpyDriver),
     "numba": run_by("numba", NumbaDriver),
     **{f"profile {name}": under(name) for name in ("draft", "normal", "accurate")},

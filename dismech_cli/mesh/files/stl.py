@@ -55,7 +55,8 @@ def _binary(data: bytes, where: str) -> FloatArray:
     check_count(len(facets), "triangles", where)
     # After the normal of each facet follow its corners, single precision.
     corners = np.ascontiguousarray(facets[:, 12:48]).view("<f4").reshape(-1, 3)
-    return corners.astype(np.float64)
+    with np.errstate(invalid="ignore"):  # what is not finite is told with its place
+        return corners.astype(np.float64)
 
 
 def _text(text: str, where: str, weld: float) -> Mesh:
