@@ -23,6 +23,9 @@ from .validity import Validity
 from .watched import Watched
 
 
+_PARTS = ("state", "control", "counters", "stopwatch", "account", "watched", "validity", "framing")
+
+
 @dataclass(slots=True)
 class Course:
     """One run under way.
@@ -84,16 +87,7 @@ class Course:
 
     def parts(self) -> dict[str, Saved]:
         """All that the run remembers from step to step: each saves itself."""
-        return {
-            "state": self.state,
-            "control": self.control,
-            "counters": self.counters,
-            "stopwatch": self.stopwatch,
-            "account": self.account,
-            "watched": self.watched,
-            "validity": self.validity,
-            "framing": self.framing,
-        }
+        return {name: getattr(self, name) for name in _PARTS}
 
     @property
     def counts(self) -> dict[str, int]:
