@@ -22,7 +22,6 @@ from .tally import Counters, Stopwatch
 from .validity import Validity
 from .watched import Watched
 
-
 _PARTS = ("state", "control", "counters", "stopwatch", "account", "watched", "validity", "framing")
 
 
