@@ -23,6 +23,7 @@ SECTIONS = (
     "linear_solvers",
     "overlay",
     "integrators",
+    "defaults",
     "other_code",
     "start_up",
 )

@@ -35,7 +35,7 @@ def search(problem: StageProblem, guess: FloatArray) -> NewtonResult:
         at_floor = problem.small(size, now, floor)
         met = moves > 0 and problem.small(size, now, 0.0)
         if sum(size) == 0.0 or (at_floor and (settled or met)):
-            return done(problem, q, now)
+            return done(problem, q, now, indefinite=shift > 0.0)
         settled = at_floor
         try:
             step, shift = _descent(problem, q, now, gradient, shift)

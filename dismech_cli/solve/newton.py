@@ -39,7 +39,7 @@ def solve_stage(problem: StageProblem, guess: FloatArray) -> NewtonResult:
 
 def _full_steps(problem: StageProblem, guess: FloatArray) -> NewtonResult:
     q, free = guess.copy(), problem.free
-    floor, settled = inf, False
+    floor, settled, indefinite = inf, False, False
     for iterations in range(_FULL_STEPS + 1):
         now = problem.linearize(q)
         # the least of all iterates: where a guess crushes an edge, its stiffness would excuse any residual
@@ -54,16 +54,18 @@ def _full_steps(problem: StageProblem, guess: FloatArray) -> NewtonResult:
         at_floor = problem.small(size, now, floor)
         met = iterations > 0 and problem.small(size, now, 0.0)
         if sum(size) == 0.0 or (at_floor and (settled or met)):
-            return done(problem, q, now)
+            return done(problem, q, now, indefinite=indefinite)
         settled = at_floor
         if iterations == _FULL_STEPS:
             break
         try:
-            step = problem.tangent(q, now).updated(now).solve(rhs)
+            tangent = problem.tangent(q, now)
+            step = tangent.updated(now).solve(rhs)
         except ExhaustedError:
             break
         except FactorizationError:
             return failed(problem, q, now, Status.FACTORIZATION_FAILED)
+        indefinite = tangent.factors.indefinite
         moved, _ = problem.size(step)
         if not moved <= _RUNAWAY * problem.system.extent:
             status = Status.FACTORIZATION_FAILED if isfinite(moved) else Status.NOT_FINITE

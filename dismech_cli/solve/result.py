@@ -23,6 +23,7 @@ class NewtonResult:
         iterations: Factorisations done, those of shifted and of projected tangents included.
         residual_norm: Largest free residual [N].
         worst: Global index of the DOF with the largest residual, or -1.
+        indefinite: Whether the last tangent is known to have a negative eigenvalue.
     """
 
     q: FloatArray
@@ -31,12 +32,13 @@ class NewtonResult:
     iterations: int
     residual_norm: float
     worst: int
+    indefinite: bool = False
 
 
-def done(problem: StageProblem, q: FloatArray, now: Linearized) -> NewtonResult:
-    """Balance at ``q``."""
+def done(problem: StageProblem, q: FloatArray, now: Linearized, *, indefinite: bool) -> NewtonResult:
+    """Balance at ``q``, reached with a last tangent that was indefinite or not."""
     largest = float(np.abs(now.residual[problem.free]).max(initial=0.0))
-    return NewtonResult(q, now.residual.copy(), Status.CONVERGED, problem.spent, largest, -1)
+    return NewtonResult(q, now.residual.copy(), Status.CONVERGED, problem.spent, largest, -1, indefinite)
 
 
 def failed(problem: StageProblem, q: FloatArray, now: Linearized, status: Status) -> NewtonResult:

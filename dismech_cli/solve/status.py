@@ -22,6 +22,8 @@ class Status(Enum):
         "a residual became infinite or NaN: an edge folded back on itself or collapsed; reduce numerics.dt"
     )
 
+    AMBIGUOUS = "the step has more than one solution, as where something buckles: reduce numerics.dt"
+
     @property
     def advice(self) -> str:
         """One line of advice."""

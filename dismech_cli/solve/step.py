@@ -32,6 +32,7 @@ class StepResult:
         residual_norm: Largest free residual [N] of the last stage.
         residual: Residual (n,) of the last stage: reactions on held DOFs.
         worst: DOF with the largest residual of a failed step, or -1.
+        indefinite: Whether the tangent of a stage is known to have a negative eigenvalue at its solution.
     """
 
     state: State
@@ -40,6 +41,7 @@ class StepResult:
     residual_norm: float
     residual: FloatArray
     worst: int
+    indefinite: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,7 +81,8 @@ class Stepper:
         self._hasty = replace(settings, max_iterations=min(settings.patience, settings.max_iterations))
         self._wanted = solver
         self._predictor = Predictor(model)
-        self._massless = (model.mass == 0.0) & model.mass.any()
+        self._moves = bool(model.mass.any())
+        self._massless = (model.mass == 0.0) & self._moves
         self._analyses = 0
         self._count_negative: tuple[SparsityPattern, CountNegative] | None = None
         self._binding = self._bound(0.0)
@@ -119,11 +122,20 @@ class Stepper:
         return self._step(start, dt, self._settings)
 
     def attempt(self, start: State, dt: float) -> StepResult:
-        """The same, but give up soon: slow convergence is how a wrong root announces itself."""
-        return self._step(start, dt, self._hasty)
+        """The same, but give up soon, and where a shorter step may take another way.
+
+        Slow convergence is how a wrong root announces itself. So does a tangent that is not positive
+        definite at the solution: it is one of several, among them the motion that a step too long for
+        something that buckles strides over. Short steps have one solution. Statics has no such steps:
+        there an unstable balance is one.
+        """
+        result = self._step(start, dt, self._hasty)
+        if result.indefinite and self._moves:
+            return replace(result, state=start, status=Status.AMBIGUOUS)
+        return result
 
     def _step(self, start: State, dt: float, settings: NewtonSettings) -> StepResult:
-        latest, iterations = start, 0
+        latest, iterations, indefinite = start, 0, False
         self.system.start_step()
         for index in range(self.integrator.stages):
             stage = self.integrator.stage(index, start, latest, dt)
@@ -138,13 +150,16 @@ class Stepper:
                 return StepResult(
                     start, result.status, iterations, result.residual_norm, result.residual, result.worst
                 )
+            indefinite = indefinite or result.indefinite
             latest = self._accept(stage, latest, result.q)
         # What holds a mass also moves it, along its path and not as the integrator would have it.
         held = self._binding.held
         wanted = mean_acceleration(start, latest, dt)[held]
         inertia = self.model.mass[held] * (wanted - stage.acceleration(result.q)[held])
         result.residual[held] += inertia
-        return StepResult(latest, Status.CONVERGED, iterations, result.residual_norm, result.residual, -1)
+        return StepResult(
+            latest, Status.CONVERGED, iterations, result.residual_norm, result.residual, -1, indefinite
+        )
 
     def unstable(self, state: State) -> bool:
         """Whether the stiffness matrix at a static state is known to have a negative eigenvalue."""

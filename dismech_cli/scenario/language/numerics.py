@@ -81,7 +81,7 @@ class Newton(Spec):
 
 
 class Step(Spec):
-    """What happens when a step fails."""
+    """What happens when a step fails, or has several solutions, as a long step where something buckles."""
 
     max_cuts: Annotated[int, Field(ge=0, le=60)] = Field(
         default=10, description="How often dt may be halved before giving up."

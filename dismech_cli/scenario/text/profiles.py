@@ -8,6 +8,7 @@ from typing import Final
 
 from ...errors import ScenarioError
 from ...quantities import QuantityError, parse_quantity
+from ...solve.integrators import INTEGRATORS, TrBdf2
 from ...units import KINDS
 from ...words import hint
 from .merge import merge
@@ -17,14 +18,24 @@ from .tree import Mark, Node, Source, describe
 
 @dataclass(frozen=True, slots=True)
 class Profile:
-    """What a built-in profile does: dt times a factor, and a Newton tolerance."""
+    """What a built-in profile does.
+
+    Attributes:
+        dt_factor: Factor of dt.
+        tolerance: Newton tolerance.
+        instead: Integrator that takes the place of one without damping. Those ring at large steps:
+            fast waves that they do not resolve stay as they are excited, and the cuts that Newton's
+            method then needs make a draft dearer than the scene as written.
+    """
 
     dt_factor: float
     tolerance: float
+    instead: str | None = None
 
 
 NAMES: Final = ("draft", "normal", "accurate")
-_BUILT_IN: Final = {"draft": Profile(4.0, 1e-5), "accurate": Profile(0.25, 1e-10)}
+_BUILT_IN: Final = {"draft": Profile(4.0, 1e-5, TrBdf2.name), "accurate": Profile(0.25, 1e-10)}
+_UNDAMPED: Final = frozenset(scheme.name for scheme in INTEGRATORS if scheme.order and not scheme.damping)
 
 
 def apply_profile(root: Node, name: str | None, profiles: Node | None) -> Node:
@@ -94,9 +105,22 @@ def _built_in(root: Node, name: str) -> Node:
         entries["dt"] = replace(
             dt, value=value * profile.dt_factor, note=f"{note}, dt x {profile.dt_factor:g}"
         )
+    if profile.instead is not None and _undamped(numerics.child("integrator")):
+        entries["integrator"] = Node({"type": Node(profile.instead, mark)}, mark, note=note)
+        numerics = _without(numerics, "integrator")
     changed = merge(numerics, Node(entries, numerics.mark, numerics.key_mark))
     assert isinstance(root.value, Mapping)
     return replace(root, value={**root.value, "numerics": changed})
+
+
+def _undamped(integrator: Node | None) -> bool:
+    kind = integrator.child("type") if integrator is not None else None
+    return kind is not None and isinstance(kind.value, str) and kind.value in _UNDAMPED
+
+
+def _without(node: Node, key: str) -> Node:
+    assert isinstance(node.value, Mapping)
+    return replace(node, value={name: child for name, child in node.value.items() if name != key})
 
 
 def _seconds(dt: Node | None) -> float | None:

@@ -26,8 +26,8 @@ the schema itself.
   `--allow-outside` is given.
 - **Precedence**: defaults < `include` < the file < profile < `--set KEY=VALUE`. Mappings merge key by
   key, lists and values replace; a mapping of another `type` or `shape` replaces as a whole.
-- **Profiles**: `draft` takes 4 dt and a Newton tolerance of 1e-5, `accurate` dt / 4 and 1e-10,
-  `normal` the file as written; `profiles` in the file replaces them.
+- **Profiles**: `draft` takes 4 dt, a Newton tolerance of 1e-5, and `tr_bdf2` for an integrator without
+  damping; `accurate` dt / 4 and 1e-10; `normal` the file as written. `profiles` in the file replaces them.
 """
 
 

@@ -1,0 +1,26 @@
+"""A draft of every scene of the gallery that moves: it comes to its end, and is cheaper than the scene."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from dismech_cli import load, simulate
+from dismech_cli.run.loop import End
+
+SCENARIOS = Path(__file__).parents[2] / "scenarios"
+
+
+def moving() -> list[Path]:
+    files = sorted([*SCENARIOS.glob("*.yaml"), *(SCENARIOS / "verification").glob("*.yaml")])
+    return [path for path in files if load(path).scenario.numerics.dt is not None]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("path", moving(), ids=lambda path: path.stem)
+def test_a_draft_is_cheaper_than_the_scene(path: Path) -> None:
+    shipped, draft = simulate(path), simulate(path, profile="draft")
+    assert draft.outcome.end is End.DONE, draft.message
+    assert not [doubt for doubt in draft.outcome.doubts if "came from nowhere" in doubt]
+    assert draft.outcome.counters["iterations"] < shipped.outcome.counters["iterations"]
