@@ -20,6 +20,7 @@ from dismech_cli.scenario.load import LoadedScenario
 
 FOLDER = Path(__file__).parents[2] / "scenarios"
 NAMES = sorted(file.stem for file in FOLDER.glob("*.yaml"))
+BUCKLING = {"contortion"}  # from the first step on, which is too long for it
 SLOW = {
     "boundary_motion",
     "cantilever_dynamic_1e5",
@@ -87,9 +88,9 @@ def test_builds_and_steps(name):
     report = first_steps(scene(name))
     outcome, simulation = report.outcome, report.composition.simulation
     assert outcome.end in (End.INTERRUPTED, End.DONE), outcome.message
-    assert outcome.counters["cuts"] == 0
-    steps = min(3, len(simulation.control.grid) - 1)
-    assert outcome.counters["steps"] == steps
+    steps, cuts = min(3, len(simulation.control.grid) - 1), outcome.counters["cuts"]
+    assert (cuts > 0) == (name in BUCKLING)
+    assert (outcome.counters["steps"] > steps) == (cuts > 0)
     assert_allclose(outcome.state.t, simulation.control.grid[steps], rtol=1e-12)
     assert np.isfinite(outcome.state.q).all()
     assert np.abs(outcome.state.q - simulation.model.rest).max() > 0.0
