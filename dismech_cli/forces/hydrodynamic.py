@@ -19,9 +19,7 @@ def area_damping(name: str, dofs: DofMap, nodal_area: FloatArray, coefficient: f
         coefficient: eta [N s/m^3].
     """
     nodes = np.flatnonzero(nodal_area)
-    return ViscousDamping(
-        name, dofs.of_nodes(nodes).reshape(-1), np.repeat(coefficient * nodal_area[nodes], dofs.dimension)
-    )
+    return ViscousDamping(name, dofs.of_nodes(nodes), coefficient * nodal_area[nodes])
 
 
 def hydrodynamic_drag(

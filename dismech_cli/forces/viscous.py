@@ -1,4 +1,4 @@
-"""Linear viscous damping per length of rod: f = -eta l v on each node."""
+"""Linear viscous damping per length of rod or area of shell: f = -eta l v on each node."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ class ViscousDamping:
 
     Attributes:
         name: Unique name.
-        dofs: Damped position DOFs, shape (K,).
-        coefficients: eta times Voronoi length [N s/m], shape (K,).
+        dofs: Position DOFs of the damped nodes, shape (K, d).
+        coefficients: eta times the length or area of each node [N s/m], shape (K,).
     """
 
     name: str
@@ -31,13 +31,22 @@ class ViscousDamping:
     @property
     def couplings(self) -> tuple[Coupling, ...]:
         """Diagonal entries only."""
-        return (Coupling(self.dofs[:, None]),)
+        return (Coupling(self.dofs.reshape(-1, 1)),)
+
+    @property
+    def loaded(self) -> IntArray:
+        """DOFs of each node, shape (K, d)."""
+        return self.dofs
+
+    def resistance(self, q: FloatArray, v: FloatArray) -> FloatArray:
+        """Slope -df/dv [N s/m], shape (K, d, d)."""
+        return self.coefficients[:, None, None] * np.eye(self.dofs.shape[1])
 
     def bind(self, pattern: Pattern, driver: Driver) -> BoundViscousDamping:
         """Look the diagonal entries up."""
-        return BoundViscousDamping(
-            self.name, self.dofs, self.coefficients, pattern.symmetric_slots(self.dofs, self.dofs)
-        )
+        dofs = self.dofs.reshape(-1)
+        each = np.repeat(self.coefficients, self.dofs.shape[1])
+        return BoundViscousDamping(self.name, dofs, each, pattern.symmetric_slots(dofs, dofs))
 
 
 @dataclass(frozen=True, slots=True)

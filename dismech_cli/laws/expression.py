@@ -100,6 +100,31 @@ def compile_expression(text: str, variables: Sequence[str] = VARIABLES) -> Compi
     Raises:
         ExpressionError: naming the column, if the text is anything else, too long or too deep.
     """
+    parsed = parse_expression(text)
+    builder = Builder(parsed.indent, tuple(variables))
+    program = builder.build(parsed.body, 0)
+    return Compiled(program, frozenset(builder.met))
+
+
+@dataclass(frozen=True, slots=True)
+class Parsed:
+    """The syntax of a text, not yet checked.
+
+    Attributes:
+        body: The expression.
+        indent: Blanks before it.
+    """
+
+    body: ast.expr
+    indent: int
+
+
+def parse_expression(text: str) -> Parsed:
+    """The syntax of a text.
+
+    Raises:
+        ExpressionError: naming the column, if it is no expression or too long.
+    """
     if len(text) > MAX_LENGTH:
         raise ExpressionError(MAX_LENGTH + 1, f"longer than {MAX_LENGTH} characters")
     if not text.isascii():
@@ -118,23 +143,22 @@ def compile_expression(text: str, variables: Sequence[str] = VARIABLES) -> Compi
         ) from None
     except (ValueError, RecursionError, MemoryError):
         raise ExpressionError(1, "not an expression") from None
-    builder = _Builder(indent, tuple(variables))
-    program = builder.build(tree.body, 0)
-    return Compiled(program, frozenset(builder.met))
+    return Parsed(tree.body, indent)
 
 
-class _Builder:
+class Builder:
     """Turns syntax nodes into closures and notes the variables met."""
 
-    def __init__(self, indent: int, known: tuple[str, ...]) -> None:
+    def __init__(self, indent: int, known: tuple[str, ...], deepest: int = MAX_DEPTH) -> None:
         self.indent = indent
         self.known = known
+        self.deepest = deepest
         self.met: set[str] = set()
 
     def build(self, node: ast.expr, depth: int) -> Program:
         """The closure of one node."""
-        if depth > MAX_DEPTH:
-            raise self._error(node, f"nested deeper than {MAX_DEPTH}")
+        if depth > self.deepest:
+            raise self._error(node, f"nested deeper than {self.deepest}")
         match node:
             case ast.Constant(value=value):
                 return _constant(self._number(node, value))

@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
+import numpy as np
+
 from ..arrays import FloatArray, IntArray
 from ..kernels.driver import DragLoop, Driver
 from ..kernels.linearization import Coupling, Linearization, Pattern
@@ -45,6 +47,22 @@ class DragForce:
         """A constant by name, shape (S,); a view."""
         row: FloatArray = self.parameters[self.kernel.parameters.row(name)]
         return row
+
+    @property
+    def loaded(self) -> IntArray:
+        """DOFs of the nodes that the force acts on, shape (S, F)."""
+        chosen: IntArray = self.dofs[:, self.kernel.loaded_dofs]
+        return chosen
+
+    def resistance(self, q: FloatArray, v: FloatArray) -> FloatArray:
+        """Slope -df/dv to the velocities of these nodes [N s/m], shape (S, F, F)."""
+        kernel, at = self.kernel, self.dofs.T
+        within = np.arange(kernel.dimension)
+        vectors = [kernel.dimension * np.array(ends)[:, None] + within for ends in kernel.vectors]
+        y = np.concatenate([q[at[head]] - q[at[tail]] for tail, head in vectors])
+        _, _, slope = kernel.function(y, v[at[kernel.loaded_dofs]], self.parameters)
+        rows = np.stack([np.broadcast_to(one, len(self.dofs)) for one in slope], axis=1)
+        return rows.reshape(len(self.dofs), kernel.forces, kernel.forces)
 
     @property
     def couplings(self) -> tuple[Coupling, ...]:

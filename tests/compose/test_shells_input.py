@@ -132,7 +132,7 @@ def test_uneven_meshes_are_doubtful_for_hinges_only(made: Any) -> None:
         ),
         (
             {"forces": [{"type": "pressure", "shell": "sheet", "pressure": {"expression": "x"}}]},
-            "'x' has a meaning under actuation of shells only",
+            "'x' has no meaning here; known: 't'",
         ),
         ({"output": {"fields": ["twist"]}}, "output.fields[0]: 'twist' is a field of rods, but"),
         (

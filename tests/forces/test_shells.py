@@ -16,11 +16,13 @@ from dismech_cli.forces.enclosed_volume import EnclosedVolume
 from dismech_cli.forces.hydrodynamic import area_damping, hydrodynamic_drag
 from dismech_cli.forces.pressure import FollowerPressure, VolumePressure, pressure
 from dismech_cli.forces.thrust import thrust
+from dismech_cli.laws.field import Spatial
 from dismech_cli.laws.laws import Constant
 from dismech_cli.mesh.generate.rings import annulus, hemisphere
 from dismech_cli.mesh.generate.sheets import sheet
 from dismech_cli.mesh.measure import nodal_areas
 from dismech_cli.mesh.mesh import Mesh
+from dismech_cli.model.flow import DragInFlow
 from dismech_cli.solve.integrators import ImplicitEuler
 from dismech_cli.solve.problem import NewtonSettings
 from dismech_cli.solve.status import Status
@@ -56,6 +58,29 @@ def test_aerodynamic_drag_of_a_plate() -> None:
         total = probe.residual(state(made, made.model.rest, v)).reshape(-1, 3).sum(axis=0)
         # three corners, each with a sixth of the area: half the area's dynamic pressure
         assert_allclose(total, [0.0, 0.0, 0.5 * 1.2 * 2.0 * 0.5 * w * abs(w)], rtol=1e-12, atol=1e-14)
+
+
+@pytest.mark.parametrize("texts", [("1 + t", "-0.2", "3"), ("sin(2*z)", "x*y - 1", "0.3*x**2")])
+def test_drag_in_a_fluid_that_moves(texts: tuple[str, ...]) -> None:
+    made = shell(CAP, "midedge")
+    dofs = made.model.dofs
+    area = nodal_areas(dofs.n_nodes, CAP.triangles, made.areas)
+    for drag in (
+        aerodynamic_drag("a", dofs, CAP.triangles, made.areas, fluid_density=1.2, coefficient=2.0),
+        hydrodynamic_drag("h", dofs, area, fluid_density=1000.0, coefficient=0.02),
+    ):
+        check(DragInFlow(drag, [Spatial(text) for text in texts], dofs), made)
+
+
+def test_drag_vanishes_on_what_moves_with_the_fluid() -> None:
+    made = shell(CAP, "hinge")
+    dofs = made.model.dofs
+    drag = aerodynamic_drag("a", dofs, CAP.triangles, made.areas, fluid_density=1.2, coefficient=2.0)
+    flow = DragInFlow(drag, [Spatial("2*z"), Spatial("x - y"), Spatial("0.5")], dofs)
+    x, y, z = CAP.nodes.T
+    v = np.stack((2 * z, x - y, np.full_like(x, 0.5)), axis=1).reshape(-1)
+    r = Probe.of(flow, made.model, NUMPY).residual(state(made, made.model.rest, v))
+    assert_allclose(r, 0.0, atol=1e-30)
 
 
 def test_linear_drag_and_damping() -> None:

@@ -137,7 +137,7 @@ def test_all_faults_at_once_in_order(folder: Folder) -> None:
             "[0, 0, {expression: 'sn(t)'}]",
             "unknown function 'sn'; did you mean 'sin'? (at column 1",
         ),
-        ("[0, 0, -9.81]", "[0, 0, {expression: 's*t'}]", "'s' has a meaning under actuation only"),
+        ("[0, 0, -9.81]", "[0, 0, {expression: 's*t'}]", "'s' has no meaning here; known: 't'"),
         (
             "[0, 0, -9.81]",
             "[0, 0, {ramp: {from: 0, to: 1, start: 2, end: 1}}]",

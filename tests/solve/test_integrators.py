@@ -185,7 +185,8 @@ def test_consistent_initial_acceleration(kind: str) -> None:
     """M a + r(q, v) = 0 at the start: gravity less damping, on free DOFs; held ones do not accelerate."""
     model = weighted(swinging(kind), (0.0, 0.0, -9.81), Constant(1.0))
     positions = np.arange(model.dofs.n_positions)
-    model = with_term(model, ViscousDamping("damping", positions, np.full(len(positions), 0.7)))
+    dofs = positions.reshape(model.dofs.n_nodes, -1)
+    model = with_term(model, ViscousDamping("damping", dofs, np.full(len(dofs), 0.7)))
     velocity = flick(model, 2.0)
     stepper = Stepper(model, Newmark(), TIGHT, "auto")
     a = stepper.prepare(stepper.rest_state(velocity)).a

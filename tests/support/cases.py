@@ -25,9 +25,11 @@ from dismech_cli.kinematics.directors import space_parallel
 from dismech_cli.kinematics.dofs import DofMap
 from dismech_cli.kinematics.motion import Motion
 from dismech_cli.kinematics.rod_frames import Frames, FrameState, NoFrames, RodFrames
+from dismech_cli.laws.field import Spatial
 from dismech_cli.laws.laws import Constant, Law
 from dismech_cli.mesh.topology.rods import rod_stencils
 from dismech_cli.model.configuration import Configuration
+from dismech_cli.model.flow import DragInFlow
 from dismech_cli.model.model import Model
 from dismech_cli.model.stencil import StencilEnergy
 from dismech_cli.model.term import Term
@@ -422,8 +424,15 @@ def _dead_load(model: Model) -> Term:
 
 
 def _viscous(model: Model) -> Term:
-    dofs = np.arange(model.dofs.n_positions)
-    return ViscousDamping("viscous", dofs, np.linspace(0.5, 1.5, len(dofs)))
+    nodes = np.arange(model.dofs.n_nodes)
+    return ViscousDamping("viscous", model.dofs.of_nodes(nodes), np.linspace(0.5, 1.5, len(nodes)))
+
+
+def _flowing(drag: Callable[[Model], Term], *texts: str) -> Callable[[Model], Term]:
+    def build(model: Model) -> Term:
+        return DragInFlow(drag(model), [Spatial(text) for text in texts], model.dofs)
+
+    return build
 
 
 def _resistive(edges: IntArray) -> Callable[[Model], Term]:
@@ -494,6 +503,10 @@ def term_cases() -> dict[str, TermCase]:
         "resistive": _with(space, _resistive(chain5)),
         "resistive_network": _with(network, _resistive(edges)),
         "resistive_planar": _with(planar, _resistive(chain5)),
+        "viscous_in_wind": _with(space, _flowing(_viscous, "1 + t", "0.3", "-2*t")),
+        "viscous_in_shear": _with(space, _flowing(_viscous, "0.7*z*x", "sin(3*x) - y", "t*x**2")),
+        "resistive_in_vortex": _with(network, _flowing(_resistive(edges), "-y*t", "x", "0.2*x*z")),
+        "resistive_in_shear": _with(planar, _flowing(_resistive(chain5), "0.4*z**2", "tanh(x)")),
         "follower_framed": _with(network, _follower(edges)),
         "follower_planar": _with(planar, _follower(chain5)),
         "moment": _with(space, _moment(chain5)),

@@ -17,6 +17,7 @@ from ..bodies.geometry import Geometry
 from ..laws import components, vanishes
 from ..scene import Scene
 from ..structure.structure import Structure
+from .flow import in_flow
 from .followers import carried_by_edges, follower_loads
 from .vectors import Place, Vector, dead_loads
 
@@ -34,17 +35,18 @@ def viscous(scene: Scene, structure: Structure, place: Place, force: Viscous) ->
     """Drag by length, the same in every direction."""
     dofs, length = structure.dofs, _nodal_lengths(scene, structure, force.rods)
     damped = np.flatnonzero(length)
-    coefficients = np.repeat(force.coefficient * length[damped], dofs.dimension)
-    yield ViscousDamping(place.name, dofs.of_nodes(damped).reshape(-1), coefficients)
+    drag = ViscousDamping(place.name, dofs.of_nodes(damped), force.coefficient * length[damped])
+    yield in_flow(scene, structure, place, force.fluid_velocity, drag)
 
 
 def resistive(scene: Scene, structure: Structure, place: Place, force: Resistive) -> Iterator[Term]:
     """Drag by length, along the rod and across it."""
     geometry = scene.geometry
     wet = np.flatnonzero(_selected(geometry, force.rods))
-    yield resistive_force(
+    drag = resistive_force(
         place.name, structure.dofs, geometry.edges[wet], geometry.lengths[wet], force.tangential, force.normal
     )
+    yield in_flow(scene, structure, place, force.fluid_velocity, drag)
 
 
 def moment(scene: Scene, structure: Structure, place: Place, force: Moment) -> Iterator[Term]:

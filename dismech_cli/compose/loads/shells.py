@@ -32,6 +32,7 @@ from ..laws import components, vanishes
 from ..scene import Scene
 from ..structure.masses import nodal_mass
 from ..structure.structure import Structure
+from .flow import in_flow
 from .followers import carried_by_sides, follower_loads
 from .vectors import Place, Vector, dead_loads
 
@@ -39,7 +40,7 @@ from .vectors import Place, Vector, dead_loads
 def aerodynamic(scene: Scene, structure: Structure, place: Place, force: Aerodynamic) -> Iterator[Term]:
     """Quadratic drag along the normals."""
     wet = _selected(scene.geometry, force.shells)
-    yield aerodynamic_drag(
+    drag = aerodynamic_drag(
         place.name,
         structure.dofs,
         scene.geometry.triangles[wet],
@@ -47,14 +48,16 @@ def aerodynamic(scene: Scene, structure: Structure, place: Place, force: Aerodyn
         fluid_density=force.fluid_density,
         coefficient=force.coefficient,
     )
+    yield in_flow(scene, structure, place, force.fluid_velocity, drag)
 
 
 def hydrodynamic(scene: Scene, structure: Structure, place: Place, force: Hydrodynamic) -> Iterator[Term]:
     """Linear drag of a fluid."""
     area = _nodal_areas(scene, structure, force.shells)
-    yield hydrodynamic_drag(
+    drag = hydrodynamic_drag(
         place.name, structure.dofs, area, fluid_density=force.fluid_density, coefficient=force.coefficient
     )
+    yield in_flow(scene, structure, place, force.fluid_velocity, drag)
 
 
 def area_damping(scene: Scene, structure: Structure, place: Place, force: AreaDamping) -> Iterator[Term]:

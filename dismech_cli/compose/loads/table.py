@@ -105,7 +105,9 @@ def make_forces(scene: Scene, structure: Structure) -> Forces:
     made: dict[Role, list[Term]] = {role: [] for role in Role}
     for index, force in enumerate(scene.scenario.forces):
         builder = BUILDERS[type(force)]
-        made[builder.role] += builder.terms(scene, structure, Place.of(index, force), force)
+        # a fluid that moves gives energy as well as it takes
+        role = Role.LOAD if force.acts_at_rest else builder.role
+        made[role] += builder.terms(scene, structure, Place.of(index, force), force)
     return Forces(
         gravitational=tuple(made[Role.GRAVITATIONAL]),
         loads=tuple(made[Role.LOAD]),

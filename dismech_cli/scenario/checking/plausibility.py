@@ -45,7 +45,8 @@ def doubts(scenario: Scenario) -> Iterator[Finding]:
                     ("forces", i, "acceleration"),
                     f"gravity of {size:g} m/s^2 is stronger than that of the sun",
                 )
-        if force.velocity_dependent and isinstance(scenario.numerics.integrator, Static):
+        still = force.velocity_dependent and not force.acts_at_rest
+        if still and isinstance(scenario.numerics.integrator, Static):
             message = f"{force.type} depends on velocity: it does nothing in a static run"
             yield ("forces", i, "type"), message
 

@@ -9,6 +9,7 @@ from pydantic import Field, Strict
 
 from ..values.law import (
     AccelerationLaws,
+    FluidVelocity,
     ForceLaws,
     ForcePerLengthLaws,
     MomentLaws,
@@ -24,19 +25,29 @@ Density: TypeAlias = Annotated[float, Quantity("density", gt=0)]
 DampingPerArea: TypeAlias = Annotated[float, Quantity("damping per area", ge=0)]
 Viscosity: TypeAlias = Annotated[float, Quantity("viscosity", ge=0)]
 
+_FLOW = (
+    "Velocity of the fluid, such as a wind or a current; the drag acts on the velocity relative to it. "
+    "Expressions of t and of the place x, y, z [m] where the body is now; default: still."
+)
+
 
 class Load(Spec):
     """A load; its class variables are all that checks and plan know of its kind.
 
     Attributes:
         acts_on: The key that names its bodies; None if it acts on selected nodes or on everything.
-        velocity_dependent: Whether it vanishes at rest.
+        velocity_dependent: Whether it depends on velocity, and so vanishes at rest in a still fluid.
         turns_rods: Whether it may turn a rod about its axis.
     """
 
     acts_on: ClassVar[Literal["rods", "shells", "shell"] | None] = None
     velocity_dependent: ClassVar[bool] = False
     turns_rods: ClassVar[bool] = False
+
+    @property
+    def acts_at_rest(self) -> bool:
+        """Whether it is the drag of a fluid that moves, which acts on what is at rest too."""
+        return getattr(self, "fluid_velocity", None) is not None
 
 
 class Gravity(Load):
@@ -113,7 +124,7 @@ class Distributed(Load):
 
 
 class Viscous(Load):
-    """Drag against every motion: F = -eta l u on a node of velocity u and length l."""
+    """Drag against every motion: F = -eta l u on a node of velocity u (in the fluid) and length l."""
 
     acts_on = "rods"
     velocity_dependent = True
@@ -121,6 +132,7 @@ class Viscous(Load):
     type: Literal["viscous"] = Field(description="Kind of load.")
     rods: BodyNames | None = Field(default=None, description="Names of rods; default: all.")
     coefficient: Viscosity = Field(description="eta.")
+    fluid_velocity: FluidVelocity | None = Field(default=None, description=_FLOW)
 
 
 class Resistive(Load):
@@ -133,10 +145,11 @@ class Resistive(Load):
     rods: BodyNames | None = Field(default=None, description="Names of rods; default: all.")
     tangential: Viscosity = Field(description="Coefficient along the rod.")
     normal: Viscosity = Field(description="Coefficient across the rod.")
+    fluid_velocity: FluidVelocity | None = Field(default=None, description=_FLOW)
 
 
 class Aerodynamic(Load):
-    """Quadratic drag along the normals: -(rho c A / 6) |w| w on each corner, w its normal velocity."""
+    """Quadratic drag: -(rho c A / 6) |w| w on each corner, w its velocity along the normal, in the fluid."""
 
     acts_on = "shells"
     velocity_dependent = True
@@ -145,10 +158,11 @@ class Aerodynamic(Load):
     shells: BodyNames | None = Field(default=None, description="Names of shells; default: all.")
     fluid_density: Density = Field(description="Density rho of the fluid.")
     coefficient: Annotated[float, Quantity("ratio", ge=0)] = Field(description="Drag coefficient c.")
+    fluid_velocity: FluidVelocity | None = Field(default=None, description=_FLOW)
 
 
 class Hydrodynamic(Load):
-    """Linear drag -rho c A u on a node of velocity u and area A, in every direction."""
+    """Linear drag -rho c A u on a node of velocity u (in the fluid) and area A."""
 
     acts_on = "shells"
     velocity_dependent = True
@@ -159,6 +173,7 @@ class Hydrodynamic(Load):
     coefficient: Annotated[float, Quantity("velocity", ge=0)] = Field(
         description="c: the speed at which quadratic drag of coefficient 2 would be as large."
     )
+    fluid_velocity: FluidVelocity | None = Field(default=None, description=_FLOW)
 
 
 class AreaDamping(Load):

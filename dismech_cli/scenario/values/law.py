@@ -15,7 +15,7 @@ from .quantity import Angle, Column, FileName, Frequency, Quantity, Time
 from .spec import Spec, problem, tag, told_by_key
 
 PLACES: Final = ("x", "y", "z", "r")
-"""Variables of laws that act on the hinges of a shell: where the middle of the hinge is at rest [m]."""
+"""Variables of laws that differ from place to place [m]; most take where a node or hinge is at rest."""
 
 
 class TableFile(Spec):
@@ -109,7 +109,8 @@ class ExpressionLaw(Spec):
     """Arithmetic in SI units: numbers, t, pi, e, + - * / **, sin cos tan tanh exp log sqrt abs min
     max clip floor sawtooth square step smoothstep; under `actuation` also s, 0 to 1 along the rod or
     through the hinges, and for hinges and triangles x, y, z and r = sqrt(x^2 + y^2) of their middle
-    at rest."""  # noqa: D205, D209
+    at rest; in a `displacement` x, y, z of the node at rest, and s along its rod; in a
+    `fluid_velocity` x, y, z where the body is now."""  # noqa: D205, D209
 
     expression: str = Field(description="The text.")
 
@@ -122,8 +123,7 @@ class ExpressionLaw(Spec):
             raise problem(f"{error.reason} (at column {error.column} of the expression)") from None
         foreign = sorted(compiled.variables.difference(variables_here()))
         if foreign:
-            where = "actuation of shells" if set(foreign).intersection(PLACES) else "actuation"
-            raise problem(f"{listed(foreign)} has a meaning under {where} only")
+            raise problem(f"{listed(foreign)} has no meaning here; known: {listed(variables_here())}")
         return text
 
 
@@ -146,9 +146,12 @@ AccelerationLaw: TypeAlias = Annotated[LawSpec, LawOf("acceleration")]
 ForcePerLengthLaw: TypeAlias = Annotated[LawSpec, LawOf("force per length")]
 MomentPerLengthLaw: TypeAlias = Annotated[LawSpec, LawOf("moment per length")]
 
+FlowLaw: TypeAlias = Annotated[LawSpec, LawOf("velocity", ("t", "x", "y", "z"))]
+
 LengthLaws: TypeAlias = Annotated[tuple[LengthLaw, ...], Len(3, 3), Strict(False)]
 ForceLaws: TypeAlias = Annotated[tuple[ForceLaw, ...], Len(3, 3), Strict(False)]
 MomentLaws: TypeAlias = Annotated[tuple[MomentLaw, ...], Len(3, 3), Strict(False)]
 AccelerationLaws: TypeAlias = Annotated[tuple[AccelerationLaw, ...], Len(3, 3), Strict(False)]
 ForcePerLengthLaws: TypeAlias = Annotated[tuple[ForcePerLengthLaw, ...], Len(3, 3), Strict(False)]
 MomentPerLengthLaws: TypeAlias = Annotated[tuple[MomentPerLengthLaw, ...], Len(3, 3), Strict(False)]
+FluidVelocity: TypeAlias = Annotated[tuple[FlowLaw, ...], Len(3, 3), Strict(False)]
