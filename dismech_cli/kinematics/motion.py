@@ -5,11 +5,56 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import inf
+from typing import Protocol
 
 import numpy as np
 
 from ..arrays import BoolArray, FloatArray, IntArray
 from ..laws.laws import Law
+from .rod_frames import FrameState
+
+
+@dataclass(frozen=True, slots=True)
+class Since:
+    """The accepted state that a trial point starts from.
+
+    Attributes:
+        t: Its time [s].
+        q: Its shape, shape (n,).
+        frames: Its frames.
+    """
+
+    t: float
+    q: FloatArray
+    frames: FrameState
+
+
+class Prescribed(Protocol):
+    """DOFs that follow a path until they are released."""
+
+    @property
+    def name(self) -> str:
+        """Label for messages."""
+
+    @property
+    def dofs(self) -> IntArray:
+        """Held DOFs, shape (K,)."""
+
+    @property
+    def release(self) -> float:
+        """Time [s] from which the DOFs are free."""
+
+    def stays(self, q: FloatArray, v: FloatArray) -> BoolArray:
+        """Which of them never move from a start ``q`` with velocity ``v``, both (n,); shape (K,)."""
+
+    def values(self, t: float, q: FloatArray, since: Since) -> FloatArray:
+        """Their values at a time, shape (K,).
+
+        Args:
+            t: Time [s].
+            q: What motions named before have prescribed there, shape (n,).
+            since: The last accepted state.
+        """
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,8 +65,9 @@ class Motion:
         name: Label for messages.
         dofs: Held DOFs, shape (K,).
         reference: Values at rest [m, rad], shape (K,).
-        law: Common increment [m, rad] over time.
+        law: Increment [m, rad] over time.
         release: Time [s] from which the DOFs are free.
+        places: Where the increment is asked for, as the law takes it: 0, or shape (K,).
     """
 
     name: str
@@ -29,9 +75,20 @@ class Motion:
     reference: FloatArray
     law: Law
     release: float = inf
+    places: FloatArray | float = 0.0
+
+    def stays(self, q: FloatArray, v: FloatArray) -> BoolArray:
+        """Which start where they are held for ever, at rest."""
+        start = self.reference + self.law(0.0, self.places)
+        stays: BoolArray = self.law.constant & (start == q[self.dofs]) & (v[self.dofs] == 0.0)
+        return stays
+
+    def values(self, t: float, q: FloatArray, since: Since) -> FloatArray:
+        """Reference and increment."""
+        return self.reference + self.law(t, self.places)
 
 
-def held_dofs(motions: Sequence[Motion], n: int, t: float) -> BoolArray:
+def held_dofs(motions: Sequence[Prescribed], n: int, t: float) -> BoolArray:
     """Mask of the DOFs held during a step that starts at time ``t``, shape (n,)."""
     held = np.zeros(n, dtype=bool)
     for motion in motions:
@@ -40,7 +97,7 @@ def held_dofs(motions: Sequence[Motion], n: int, t: float) -> BoolArray:
     return held
 
 
-def moving_dofs(motions: Sequence[Motion], q: FloatArray, v: FloatArray, t: float) -> IntArray:
+def moving_dofs(motions: Sequence[Prescribed], q: FloatArray, v: FloatArray, t: float) -> IntArray:
     """DOFs held from time ``t`` on that ever move: not those that stay where they started, at rest.
 
     Args:
@@ -52,21 +109,19 @@ def moving_dofs(motions: Sequence[Motion], q: FloatArray, v: FloatArray, t: floa
     moving = np.zeros(len(q), dtype=bool)
     for motion in motions:
         if t < motion.release:
-            start = motion.reference + motion.law(0.0)
-            stays = motion.law.constant & (start == q[motion.dofs]) & (v[motion.dofs] == 0.0)
-            moving[motion.dofs] = ~stays
+            moving[motion.dofs] = ~motion.stays(q, v)
     return np.flatnonzero(moving)
 
 
-def held_span(motions: Sequence[Motion], t: float) -> tuple[float, float]:
+def held_span(motions: Sequence[Prescribed], t: float) -> tuple[float, float]:
     """Times [s] around ``t``, from when and until when, between which no motion lets go."""
     releases = [motion.release for motion in motions]
     since = max((release for release in releases if release <= t), default=-inf)
     return since, min((release for release in releases if release > t), default=inf)
 
 
-def prescribe(motions: Sequence[Motion], q: FloatArray, t: float) -> None:
+def prescribe(motions: Sequence[Prescribed], q: FloatArray, t: float, since: Since) -> None:
     """Write the prescribed values at the end time ``t`` of a step into ``q``."""
     for motion in motions:
         if t <= motion.release:
-            q[motion.dofs] = motion.reference + motion.law(t)
+            q[motion.dofs] = motion.values(t, q, since)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from ..arrays import FloatArray
 from ..kernels.driver import Driver
 from ..kinematics.dofs import DofMap
-from ..kinematics.motion import Motion
+from ..kinematics.motion import Prescribed
 from ..kinematics.rod_frames import Frames
 from .term import ChangingTerm, Term
 
@@ -32,7 +32,7 @@ class Model:
     rest: FloatArray
     mass: FloatArray
     terms: tuple[Term, ...]
-    motions: tuple[Motion, ...]
+    motions: tuple[Prescribed, ...]
     frames: Frames
     driver: Driver
     length: float

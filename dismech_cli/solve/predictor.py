@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 
 from ..arrays import FloatArray
-from ..kinematics.motion import prescribe
+from ..kinematics.motion import Since, prescribe
 from ..model.model import Model
 from .linear.factors import FactorizationError
 from .problem import ExhaustedError, StageProblem
@@ -26,11 +26,11 @@ class Predictor:
     def __init__(self, model: Model) -> None:
         self._model = model
 
-    def guesses(self, problem: StageProblem) -> Iterator[FloatArray]:
+    def guesses(self, problem: StageProblem, since: Since) -> Iterator[FloatArray]:
         """First guesses, prescribed values in place; the next is for where the last led nowhere."""
         stage = problem.stage
         plain = stage.predictor.copy()
-        prescribe(self._model.motions, plain, stage.t_end)
+        prescribe(self._model.motions, plain, stage.t_end, since)
         moved = plain - stage.predictor
         if stage.weights.a == 0.0 and moved.any():
             followed = self._followed(problem, moved)

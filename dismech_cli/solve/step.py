@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
-from ..kinematics.motion import held_dofs, held_span
+from ..kinematics.motion import Since, held_dofs, held_span
 from ..model.model import Model
 from ..model.state import State
 from .integrators import Integrator, Stage, at_state, mean_acceleration
@@ -140,7 +140,8 @@ class Stepper:
         for index in range(self.integrator.stages):
             stage = self.integrator.stage(index, start, latest, dt)
             ahead = StageProblem(self.system, stage, latest.frames, settings)
-            for guess in self._predictor.guesses(ahead):
+            since = Since(latest.t, latest.q, latest.frames)
+            for guess in self._predictor.guesses(ahead, since):
                 result = solve_stage(StageProblem(self.system, stage, latest.frames, settings), guess)
                 iterations += result.iterations
                 if result.status is Status.CONVERGED:

@@ -29,7 +29,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from dismech_cli.arrays import FloatArray
 from dismech_cli.forces.load import DeadLoad
-from dismech_cli.kinematics.motion import held_dofs, prescribe
+from dismech_cli.kinematics.motion import Since, held_dofs, prescribe
 from dismech_cli.kinematics.rod_frames import FrameState
 from dismech_cli.laws.laws import Constant, Table
 from dismech_cli.model.model import Model
@@ -71,7 +71,7 @@ def solve(
     state = stepper.rest_state()
     stage = Static().stage(0, state, state, 1.0)
     guess = stage.predictor.copy()
-    prescribe(model.motions, guess, stage.t_end)
+    prescribe(model.motions, guess, stage.t_end, Since(state.t, state.q, state.frames))
     return solve_stage(StageProblem(system, stage, state.frames, settings), guess), system
 
 

@@ -9,15 +9,14 @@ from typing import assert_never
 import numpy as np
 
 from ...arrays import IntArray
-from ...laws.laws import Constant, Law
+from ...laws.laws import Law
 from ...scenario.language.motion import Clamp, Motion, Pin, Symmetry, Twist
-from ...scenario.values.law import LawSpec
 from ..bodies.geometry import Geometry
-from ..laws import ToLaw, vanishes
+from ..laws import vanishes
 from ..scene import Scene
 from ..shells.bending import bending_of
+from .paths import ZERO, Path, path_of
 
-ZERO = Constant(0.0)
 AXES = "xyz"
 # Nodes of a plane of symmetry lie in it to this fraction of the size of the scene.
 _FLAT = 1e-9
@@ -35,7 +34,7 @@ class Hold:
         name: For messages.
         nodes: Nodes whose position is held, shape (K,).
         axes: Held space components.
-        displacement: One law per space axis.
+        path: How the nodes move, then those of the walls, as their own nodes do.
         edges: Edges whose angle is held.
         twist: Law of the angle.
         walls: Nodes of ``nodes`` where a wall edge continues the rod: clamps at a single node.
@@ -49,7 +48,7 @@ class Hold:
     name: str
     nodes: IntArray = field(default_factory=_none)
     axes: tuple[int, ...] = ()
-    displacement: tuple[Law, Law, Law] = (ZERO, ZERO, ZERO)
+    path: Path = field(default_factory=Path)
     edges: IntArray = field(default_factory=_none)
     twist: Law = ZERO
     walls: IntArray = field(default_factory=_none)
@@ -70,12 +69,13 @@ def resolve_holds(scene: Scene) -> tuple[Hold, ...]:
 
 def drives(hold: Hold) -> bool:
     """Whether a hold moves or turns what it holds."""
-    return not all(vanishes(law) for law in (*hold.displacement, hold.twist))
+    return hold.path.drives or not vanishes(hold.twist)
 
 
 def twists(hold: Hold) -> bool:
     """Whether a hold turns edges."""
-    return not vanishes(hold.twist)
+    turned = hold.path.turning is not None and bool(hold.edges.size or hold.walls.size)
+    return turned or not vanishes(hold.twist)
 
 
 def _hold(scene: Scene, index: int, motion: Motion) -> Hold:
@@ -90,32 +90,30 @@ def _hold(scene: Scene, index: int, motion: Motion) -> Hold:
                 hold,
                 nodes=scene.places.nodes(where),
                 axes=(0, 1, 2),
-                displacement=_displacement(motion.displacement, scene.laws),
                 twist=ZERO if motion.twist is None else scene.laws(motion.twist),
             )
             at_edges = motion.at == "edge"
             hold = _at_edges(hold, scene.geometry) if at_edges else _at_nodes(hold, scene, index)
             if motion.twist is not None and not (hold.edges.size or hold.walls.size):
                 raise scene.error(("motions", index, "twist"), "turns no edge of a rod: none is held")
-            return hold
+            return _moved(hold, scene, index, motion)
         case Pin():
-            return replace(
+            hold = replace(
                 hold,
                 nodes=scene.places.nodes(where),
                 axes=tuple(AXES.index(c) for c in motion.components),
-                displacement=_displacement(motion.displacement, scene.laws),
             )
+            return _moved(hold, scene, index, motion)
         case Twist():
             return replace(hold, edges=scene.places.edges(where), twist=scene.laws(motion.angle))
         case _:
             assert_never(motion)
 
 
-def _displacement(specs: tuple[LawSpec, ...] | None, laws: ToLaw) -> tuple[Law, Law, Law]:
-    if specs is None:
-        return ZERO, ZERO, ZERO
-    x, y, z = specs
-    return laws(x), laws(y), laws(z)
+def _moved(hold: Hold, scene: Scene, index: int, motion: Clamp | Pin) -> Hold:
+    """The hold with its path; a wall goes the way of its node."""
+    nodes = np.concatenate((hold.nodes, np.sort(hold.walls)))
+    return replace(hold, path=path_of(scene, index, motion, nodes))
 
 
 def _mirror_axis(scene: Scene, index: int, motion: Symmetry) -> int:

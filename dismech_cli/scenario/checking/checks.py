@@ -8,9 +8,9 @@ from typing import Final, get_args
 import numpy as np
 
 from ...laws.expression import VARIABLES, compile_expression
-from ...words import hint
+from ...words import hint, listed
 from ..language.force import Buoyancy, Gravity
-from ..language.motion import Clamp, Twist
+from ..language.motion import Clamp, Pin, Twist
 from ..language.numerics import Static
 from ..language.output import RodField, ShellField
 from ..language.probe import StabilityProbe
@@ -32,6 +32,7 @@ def findings(scenario: Scenario) -> Iterator[Finding]:
     """Every contradiction of a scenario, as key path and message."""
     yield from name_findings(scenario)
     yield from _dimension(scenario)
+    yield from _motions(scenario)
     yield from _time(scenario)
     yield from _expressions(scenario)
     yield from _forces(scenario)
@@ -61,9 +62,25 @@ def _dimension(scenario: Scenario) -> Iterator[Finding]:
             yield ("motions", i, "type"), planar
         if isinstance(motion, Clamp) and motion.twist is not None:
             yield ("motions", i, "twist"), planar
+        (normal,) = set("xyz").difference(scenario.plane)
+        for k, rotation in enumerate(getattr(motion, "rotations", None) or ()):
+            if any(part for axis, part in zip("xyz", rotation.axis, strict=True) if axis != normal):
+                message = f"turns out of the plane of the scene: take the axis along {normal}"
+                yield ("motions", i, "rotations", k, "axis"), message
     for i, part in enumerate(scenario.actuation):
         if part.type == "twist":
             yield ("actuation", i, "type"), planar
+
+
+def _motions(scenario: Scenario) -> Iterator[Finding]:
+    """Rotations of what is not held in every direction that they move it."""
+    inside = scenario.plane if scenario.dimension == 2 else "xyz"
+    for i, motion in enumerate(scenario.motions):
+        if isinstance(motion, Pin) and motion.rotations is not None:
+            free = [axis for axis in inside if axis not in motion.components]
+            if free:
+                message = f"rotations move what is held in every direction; {listed(free)} is free here"
+                yield ("motions", i, "components"), message
 
 
 def _time(scenario: Scenario) -> Iterator[Finding]:

@@ -7,10 +7,32 @@ from typing import Annotated, Literal, TypeAlias
 from annotated_types import Len
 from pydantic import Field, Strict, Tag, field_validator
 
-from ..values.law import AngleLaw, LengthLaws
-from ..values.quantity import Column, FileName, Time, VelocityTriple
+from ..values.law import AngleLaw, DisplacementLaws
+from ..values.quantity import Column, DirectionTriple, FileName, LengthTriple, Time, VelocityTriple
 from ..values.selection import SelectedEdges, SelectedNodes
 from ..values.spec import Spec, problem, told_by_key
+
+
+class Rotation(Spec):
+    """Turns what is held about a line fixed in space, as a rigid body."""
+
+    axis: DirectionTriple = Field(description="Direction of the line, of any length.")
+    angle: AngleLaw = Field(description="Angle from rest, right-handed; zero at the start.")
+    center: LengthTriple | None = Field(
+        default=None,
+        description="A point of the line; default: the mean rest position of the nodes selected.",
+    )
+
+
+Rotations: TypeAlias = Annotated[tuple[Rotation, ...], Len(1, 100), Strict(False)]
+_DISPLACEMENT = (
+    "Displacement from the rest position; expressions of t, of x, y, z of each node at rest [m] and of s, 0 "
+    "to 1 along its rod."
+)
+_ROTATIONS = (
+    "Rotations of all held nodes together, one after another, each about its own line in space; "
+    "`displacement` comes after them."
+)
 
 
 class Clamp(Spec):
@@ -26,8 +48,12 @@ class Clamp(Spec):
         default="node",
         description="`edge` holds the whole edge next to a single node too, so its direction is fixed.",
     )
-    displacement: LengthLaws | None = Field(default=None, description="Displacement from the rest position.")
-    twist: AngleLaw | None = Field(default=None, description="Rotation about the rod.")
+    displacement: DisplacementLaws | None = Field(default=None, description=_DISPLACEMENT)
+    rotations: Rotations | None = Field(
+        default=None,
+        description=_ROTATIONS + " Held edges turn with them, sections and normals of shells too.",
+    )
+    twist: AngleLaw | None = Field(default=None, description="Rotation about the rod, before `rotations`.")
     release: Time | None = Field(default=None, description="Time at which it lets go; default: never.")
 
 
@@ -39,7 +65,8 @@ class Pin(Spec):
     components: Annotated[tuple[Literal["x", "y", "z"], ...], Len(1, 3), Strict(False)] = Field(
         default=("x", "y", "z"), description="Components held."
     )
-    displacement: LengthLaws | None = Field(default=None, description="Displacement from the rest position.")
+    displacement: DisplacementLaws | None = Field(default=None, description=_DISPLACEMENT)
+    rotations: Rotations | None = Field(default=None, description=_ROTATIONS)
     release: Time | None = Field(default=None, description="Time at which it lets go; default: never.")
 
     @field_validator("components")

@@ -137,7 +137,7 @@ LawSpec: TypeAlias = Annotated[
     told_by_key("table", "ramp", "sine", "sawtooth", "expression", scalar="<constant>"),
 ]
 
-LengthLaw: TypeAlias = Annotated[LawSpec, LawOf("length")]
+DisplacementLaw: TypeAlias = Annotated[LawSpec, LawOf("length", ("t", "s", "x", "y", "z"))]
 AngleLaw: TypeAlias = Annotated[LawSpec, LawOf("angle")]
 ForceLaw: TypeAlias = Annotated[LawSpec, LawOf("force")]
 MomentLaw: TypeAlias = Annotated[LawSpec, LawOf("moment")]
@@ -148,7 +148,7 @@ MomentPerLengthLaw: TypeAlias = Annotated[LawSpec, LawOf("moment per length")]
 
 FlowLaw: TypeAlias = Annotated[LawSpec, LawOf("velocity", ("t", "x", "y", "z"))]
 
-LengthLaws: TypeAlias = Annotated[tuple[LengthLaw, ...], Len(3, 3), Strict(False)]
+DisplacementLaws: TypeAlias = Annotated[tuple[DisplacementLaw, ...], Len(3, 3), Strict(False)]
 ForceLaws: TypeAlias = Annotated[tuple[ForceLaw, ...], Len(3, 3), Strict(False)]
 MomentLaws: TypeAlias = Annotated[tuple[MomentLaw, ...], Len(3, 3), Strict(False)]
 AccelerationLaws: TypeAlias = Annotated[tuple[AccelerationLaw, ...], Len(3, 3), Strict(False)]
