@@ -15,6 +15,8 @@ from ..run.simulation import Simulation
 from ..scenario.load import LoadedScenario
 from .bodies.geometry import Geometry
 from .elastic.elastic import Elastic, make_elastic
+from .initial.signature import signature
+from .initial.start import make_start
 from .loads.table import Forces, make_forces
 from .numerics import build_integrator, build_newton, check_linear_solver, times
 from .observables.fields import make_fields, make_topology
@@ -28,16 +30,23 @@ from .structure.masses import mass_matrix
 from .structure.plan import Plan, make_plan
 from .structure.prescribed import build_motions
 from .structure.structure import Structure, make_structure, typical_length
-from .structure.velocities import initial_velocity
 
 
 @dataclass(frozen=True, slots=True)
 class Composition:
-    """A simulation, the plan it follows, and the bodies it is of."""
+    """A simulation, the plan it follows, and the bodies it is of.
+
+    Attributes:
+        simulation: Ready to step.
+        plan: The plan it follows.
+        geometry: The bodies.
+        kept: A file that stands for the run that it starts from; empty where it starts from none.
+    """
 
     simulation: Simulation
     plan: Plan
     geometry: Geometry
+    kept: bytes = b""
 
 
 def compose(
@@ -68,24 +77,27 @@ def compose(
     probes = make_probes(scene, structure)
     fields = make_fields(scene, structure, elastic.rods)
     numerics, (control, every) = loaded.scenario.numerics, times(loaded)
+    model = _model(scene, structure, (*elastic.terms, *forces.all))
+    start = make_start(scene, structure, model.motions)
     simulation = Simulation(
         name=loaded.scenario.name,
-        model=_model(scene, structure, (*elastic.terms, *forces.all)),
+        model=model,
         roles=roles,
         integrator=build_integrator(numerics.integrator),
         newton=build_newton(numerics, driven=any(map(drives, holds))),
         linear_solver=numerics.linear_solver,
         control=control,
         frame_every=every,
-        initial_velocity=initial_velocity(scene, structure.dofs),
+        start=start.state,
         topology=make_topology(scene, structure, fields, scalar_columns(roles, probes)),
         fields=fields,
         probes=probes,
         watched=make_watched(scene, structure),
         places=node_labels(scene.geometry),
         checks=make_checks(scene, structure, elastic.rods),
+        structure=signature(scene.geometry, structure),
     )
-    return Composition(simulation, plan, scene.geometry)
+    return Composition(simulation, plan, scene.geometry, start.kept)
 
 
 def _model(scene: Scene, structure: Structure, terms: tuple[Term, ...]) -> Model:

@@ -166,7 +166,7 @@ class RodFrames:
         tangent = e / np.sqrt((e * e).sum(axis=0))
         director = orthonormal_to(self.directors, tangent)
         return FrameState(
-            tangent, director, self._reference_twist(tangent, director, np.zeros(len(self.joint_edges)))
+            tangent, director, self.reference_twist(tangent, director, np.zeros(len(self.joint_edges)))
         )
 
     def transport(self, stored: FrameState, q: FloatArray) -> TrialFrames:
@@ -180,10 +180,11 @@ class RodFrames:
         np.take(q, self.angles, out=inputs[9], mode="clip")
         out = self.driver.map(edge_frame, inputs, 12)
         tangent, director = out[6:9], out[9:12]
-        beta = self._reference_twist(tangent, director, stored.reference_twist)
+        beta = self.reference_twist(tangent, director, stored.reference_twist)
         return TrialFrames(FrameState(tangent, director, beta), np.concatenate((out[0:6].reshape(-1), beta)))
 
-    def _reference_twist(self, tangent: FloatArray, director: FloatArray, stored: FloatArray) -> FloatArray:
+    def reference_twist(self, tangent: FloatArray, director: FloatArray, stored: FloatArray) -> FloatArray:
+        """Reference twist of each joint, the one next to a stored one [rad], shape (J,)."""
         e, f = self.joint_edges[:, 0], self.joint_edges[:, 1]
         inputs = np.empty((13, len(e)))
         np.take(tangent, e, axis=1, out=inputs[0:3], mode="clip")

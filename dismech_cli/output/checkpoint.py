@@ -44,6 +44,24 @@ def save(folder: Path, arrays: Arrays, meta: Mapping[str, Json]) -> Path:
         OutputError: If it cannot be written; the checkpoints before it are kept.
         ValueError: If an array holds objects or a name is reserved.
     """
+    data = packed(arrays, meta)
+    with output_errors(folder, "create"):
+        folder.mkdir(parents=True, exist_ok=True)
+    existing = _newest_first(folder)
+    number = int(existing[0].stem.rpartition("-")[2]) + 1 if existing else 1
+    path = folder / f"checkpoint-{number:06d}.npz"
+    write_bytes(path, data)
+    for old in _newest_first(folder)[_KEPT:]:
+        old.unlink(missing_ok=True)
+    return path
+
+
+def packed(arrays: Arrays, meta: Mapping[str, Json]) -> bytes:
+    """The content of a checkpoint; the same bytes for the same arrays and values.
+
+    Raises:
+        ValueError: If an array holds objects or a name is reserved.
+    """
     if {_META, _DIGEST} & set(arrays):
         raise ValueError(f"array names {_META} and {_DIGEST} are reserved")
     text = json.dumps(meta, sort_keys=True).encode()
@@ -55,15 +73,22 @@ def save(folder: Path, arrays: Arrays, meta: Mapping[str, Json]) -> Path:
     content[_DIGEST] = np.frombuffer(bytes.fromhex(digest), dtype=np.uint8)
     buffer = io.BytesIO()
     np.savez(buffer, **content)  # type: ignore[arg-type]
-    with output_errors(folder, "create"):
-        folder.mkdir(parents=True, exist_ok=True)
-    existing = _newest_first(folder)
-    number = int(existing[0].stem.rpartition("-")[2]) + 1 if existing else 1
-    path = folder / f"checkpoint-{number:06d}.npz"
-    write_bytes(path, buffer.getvalue())
-    for old in _newest_first(folder)[_KEPT:]:
-        old.unlink(missing_ok=True)
-    return path
+    return buffer.getvalue()
+
+
+def newest(folder: Path) -> Path:
+    """The newest checkpoint of a folder that is whole.
+
+    Raises:
+        OutputError: If there is none.
+    """
+    for path in _newest_first(folder):
+        try:
+            load(path)
+        except OutputError:
+            continue
+        return path
+    raise OutputError(f"no checkpoint in {folder} is readable")
 
 
 def load_latest(

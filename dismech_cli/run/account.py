@@ -10,7 +10,6 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from ..arrays import FloatArray
 from ..kinematics.motion import moving_dofs
 from ..model.model import Model
 from ..model.saved import Arrays, Numbers
@@ -35,9 +34,9 @@ class EnergyAccount:
 
     columns = ("external_work", "actuation_work", "dissipation", "initial", "largest")
 
-    def __init__(self, model: Model, roles: Roles, initial_velocity: FloatArray) -> None:
+    def __init__(self, model: Model, roles: Roles, start: State) -> None:
         self._model = model
-        self._initial_velocity = initial_velocity
+        self._start = start
         self._size = float(np.ptp(model.dofs.positions(model.rest), axis=0).max())
         self._mass = float(model.mass.sum())
         self._roles = roles
@@ -52,7 +51,7 @@ class EnergyAccount:
     def bind(self, system: System, t: float) -> None:
         """Use the bound terms of a system from time ``t`` [s] on, with the DOFs that are held then."""
         model, roles = self._model, self._roles
-        moving = moving_dofs(model.motions, model.rest, self._initial_velocity, t)
+        moving = moving_dofs(model.motions, self._start.q, self._start.v, t)
         self._last = None
         self._work = Work(model, roles, system, moving)
         elastic = {term.name for term in roles.elastic}

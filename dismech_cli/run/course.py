@@ -63,7 +63,7 @@ class Course:
         stepper = Stepper(
             simulation.model, simulation.integrator, simulation.newton, simulation.linear_solver
         )
-        account = EnergyAccount(simulation.model, simulation.roles, simulation.initial_velocity)
+        account = EnergyAccount(simulation.model, simulation.roles, simulation.start)
         account.bind(stepper.system, 0.0)
         singular: list[Singular] = []
         observer = Observer(simulation, stepper, account, singular.append)
@@ -73,7 +73,7 @@ class Course:
             simulation=simulation,
             stepper=stepper,
             sink=sink,
-            state=stepper.rest_state(simulation.initial_velocity),
+            state=simulation.start,
             control=simulation.control,
             counters=Counters(),
             stopwatch=stopwatch,
@@ -119,7 +119,9 @@ class Course:
 
     def checkpoint(self) -> None:
         """Save all parts."""
-        self.sink.checkpoint(*save_all(self.parts()))
+        arrays, numbers = save_all(self.parts())
+        structure = {f"structure.{name}": array for name, array in self.simulation.structure.items()}
+        self.sink.checkpoint(arrays | structure, numbers)
 
     def step(self) -> StepResult:
         """Try to reach the control's target; a step that fails leaves the run where it is.

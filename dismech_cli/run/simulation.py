@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Any
 
-from ..arrays import FloatArray
+from numpy.typing import NDArray
+
 from ..model.model import Model
+from ..model.state import State
 from ..output.frame import Topology
 from ..solve.integrators import Integrator
 from ..solve.problem import NewtonSettings
@@ -30,13 +33,14 @@ class Simulation:
         linear_solver: Key of the solver table, or ``auto``.
         control: Decides how far each step goes; here, as the run starts.
         frame_every: Time between frames [s].
-        initial_velocity: Velocity at t = 0, shape (n,).
+        start: The state at t = 0.
         topology: What the writers need to know once.
         fields: Fields of every frame.
         probes: Extra columns of the scalar table.
         watched: Probes read after every step, for expectations.
         places: A word for where each visible node lies: object and arc length.
         checks: Limits of its models.
+        structure: What its states are states of, by name: kept with them.
     """
 
     name: str
@@ -47,10 +51,11 @@ class Simulation:
     linear_solver: str
     control: StepControl
     frame_every: float
-    initial_velocity: FloatArray
+    start: State
     topology: Topology
     fields: tuple[Field, ...]
     probes: Mapping[str, Probe]
     watched: Mapping[str, Probe]
     places: tuple[str, ...]
     checks: tuple[Check, ...] = ()
+    structure: Mapping[str, NDArray[Any]] = field(default_factory=dict)

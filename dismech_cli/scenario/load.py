@@ -248,7 +248,7 @@ def _file_problems(scenario: Scenario, root: Node, directory: Path, tree: Path |
     for leaf in leaves(scenario):
         if leaf.file:
             try:
-                resolve_file(leaf.value, directory, tree)
+                resolve_file(leaf.value, directory, tree, folders=leaf.folder)
             except ScenarioError as error:
                 unusable.add(leaf.value)
                 yield _problem(root, leaf.path, str(error))

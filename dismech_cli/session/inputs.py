@@ -6,7 +6,7 @@ import difflib
 import hashlib
 import shutil
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from ..errors import ScenarioError
@@ -18,6 +18,7 @@ from ..scenario.views.dump import dump_resolved
 from ..scenario.views.walk import leaves
 
 INPUT_FOLDER = "inputs"
+STATE_FILE = "initial-state.npz"
 _SHOWN_LINES = 20
 
 
@@ -29,11 +30,13 @@ class Inputs:
         text: The resolved scenario; it names its files by the keys of ``files``.
         files: Original of each file by its name in the run directory.
         hashes: SHA-256 of each file by its name in the run directory.
+        made: Content of those that are no copies: the state that a run starts from, out of another run.
     """
 
     text: str
     files: Mapping[str, Path]
     hashes: Mapping[str, str]
+    made: Mapping[str, bytes] = field(default_factory=dict)
 
     def identity(self, kernels: str, versions: Mapping[str, str]) -> dict[str, Json]:
         """What a checkpoint must agree with."""
@@ -54,22 +57,38 @@ class Inputs:
             target = run_dir / name
             with output_errors(target.parent, "create"):
                 target.parent.mkdir(exist_ok=True)
+            if name in self.made:
+                write_bytes(target, self.made[name])
+                continue
             with staged(target) as temporary:
                 shutil.copyfile(original, temporary)
         write_bytes(run_dir / SCENARIO_FILE, self.text.encode())
 
 
-def gather_inputs(loaded: LoadedScenario) -> Inputs:
-    """Find the files of a scenario and give them names in the run directory."""
+def gather_inputs(loaded: LoadedScenario, kept: bytes = b"") -> Inputs:
+    """Find the files of a scenario and give them names in the run directory.
+
+    Args:
+        loaded: The scenario.
+        kept: A file that stands for the folder of another run that it starts from.
+    """
     names: dict[str, str] = {}
+    made: dict[str, bytes] = {}
     for leaf in leaves(loaded.scenario):
         if leaf.file and leaf.value not in names and leaf.path[0] != "include":
             name = f"{INPUT_FOLDER}/{Path(leaf.value).name}"
+            if leaf.folder and kept:
+                name = f"{INPUT_FOLDER}/{STATE_FILE}"
+                made[name] = kept
             # Files of one name from different folders are told apart by a number.
             names[leaf.value] = name if name not in names.values() else _numbered(name, len(names))
     files = {new: (loaded.directory / old).resolve() for old, new in names.items()}
     text = dump_resolved(loaded.scenario, names)
-    return Inputs(text, files, {new: _sha256(file) for new, file in files.items()})
+    hashes = {
+        new: hashlib.sha256(made[new]).hexdigest() if new in made else _sha256(file)
+        for new, file in files.items()
+    }
+    return Inputs(text, files, hashes, made)
 
 
 def stored_inputs(run_dir: Path, names: Iterable[str]) -> Inputs:

@@ -66,7 +66,7 @@ def simulate(
         prepared = Prepared(
             loaded=loaded,
             composition=composition,
-            inputs=gather_inputs(loaded),
+            inputs=gather_inputs(loaded, composition.kept),
             limits=limits,
             seconds={"load": tock - tick, "build": time.perf_counter() - tock},
         )

@@ -67,7 +67,7 @@ def start(request: Start, narrator: Narrator) -> Finished:
     prepared = Prepared(
         loaded=loaded,
         composition=composition,
-        inputs=gather_inputs(loaded),
+        inputs=gather_inputs(loaded, composition.kept),
         limits=limits,
         seconds={"load": tock - tick, "build": time.perf_counter() - tock},
     )

@@ -80,7 +80,7 @@ def test_only_what_changes_in_time_works_in_time(ramped: str) -> None:
         stretch = energy_of(model, "stretch")
         stepper = stepper_of(model)
         roles = Roles(elastic=(stretch, bend), gravitational=("gravity",), loads=(), dissipative=())
-        account = EnergyAccount(model, roles, np.zeros(model.dofs.n))
+        account = EnergyAccount(model, roles, stepper.rest_state())
         state = stepper.prepare(stepper.rest_state())
         account.bind(stepper.system, 0.0)
         account.start(state)

@@ -157,7 +157,13 @@ def bends_freely(made: Composition) -> None:
 
 
 def moves(made: Composition) -> None:
-    assert_array_equal(made.simulation.initial_velocity.reshape(-1, 2)[:3], [[0, 0], [1, 3], [4, 6]])
+    assert_array_equal(made.simulation.start.v.reshape(-1, 2)[:3], [[0, 0], [1, 3], [4, 6]])
+
+
+def starts_displaced(made: Composition) -> None:
+    z = made.simulation.start.q.reshape(-1, 2)[:4, 1]
+    assert_allclose(z, [0.0, 0.1, 0.2, 0.3], rtol=1e-15)
+    assert_array_equal(made.simulation.model.rest.reshape(-1, 2)[:4, 1], 0.0)
 
 
 def lies_in_xy(made: Composition) -> None:
@@ -181,6 +187,19 @@ BODIES = {
     ),
     "left-handed": Rare(
         rod_deck(HELIX, dimension=3), turns_left, choices=frozenset({("handedness", "left")})
+    ),
+    "displaced": Rare(
+        rod_deck(
+            line(4),
+            numerics=SHORT,
+            motions=[],
+            initial={
+                "displacements": [{"where": "rod", "displacement": {"file": "d.csv", "columns": [0, 0, 1]}}]
+            },
+        ),
+        starts_displaced,
+        classes=frozenset({"FromDisplacements", "Displaced", "PositionFile"}),
+        files={"d.csv": "0 0\n0 0.1\n0 0.2\n0 0.3\n"},
     ),
     "plane xy": Rare(rod_deck(line(4), plane="xy"), lies_in_xy, choices=frozenset({("plane", "xy")})),
     "equal hinges": Rare(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,9 +14,10 @@ from ...laws.laws import Constant, Law
 from ...mesh.measure import edge_lengths
 from ...mesh.topology.rods import ChainKind, chains
 from ...scenario.language.motion import Clamp, Pin
+from ...scenario.text.tree import KeyPath
 from ...scenario.values.law import ExpressionLaw, LawSpec
 from ..bodies.geometry import Geometry
-from ..laws import vanishes
+from ..laws import ToLaw, vanishes
 from ..scene import Scene
 
 ZERO = Constant(0.0)
@@ -56,37 +58,57 @@ def path_of(scene: Scene, index: int, motion: Clamp | Pin, nodes: IntArray) -> P
         ScenarioError: A displacement depends on the place along a rod, but a node has none; or a rotation
             does not start from the rest shape.
     """
-    places = along_rods(scene.geometry)[nodes]
-    x, y, z = (_Laws(scene, index, nodes, places).law(axis, motion.displacement) for axis in range(3))
-    return Path((x, y, z), places, _turning(scene, index, motion))
+    turning = _turning(scene, index, motion)
+    if motion.displacement is None:
+        return Path(turning=turning)
+    key = ("motions", index, "displacement")
+    found = laws_of_places(scene, key, nodes, motion.displacement, scene.laws)
+    x, y, z = found.laws
+    return Path((x, y, z), found.places, turning)
 
 
 @dataclass(frozen=True, slots=True)
-class _Laws:
-    """What the laws of a displacement may depend on."""
+class PlacedLaws:
+    """Laws that may differ from node to node.
 
-    scene: Scene
-    index: int
-    nodes: IntArray
+    Attributes:
+        laws: One per component.
+        places: What they are asked for with: 0 to 1 along the rod of each node, shape (K,).
+    """
+
+    laws: tuple[Law, ...]
     places: FloatArray
 
-    def law(self, axis: int, specs: tuple[LawSpec, ...] | None) -> Law:
-        """Law of one component."""
-        if specs is None:
-            return ZERO
-        spec, scene = specs[axis], self.scene
-        if not isinstance(spec, ExpressionLaw):
-            return scene.laws(spec)
-        used = compile_expression(spec.expression, ("t", "s", *_SPACE)).variables
-        if "s" in used and np.isnan(self.places).any():
-            lone = self.nodes[int(np.argmax(np.isnan(self.places)))]
+
+def laws_of_places(
+    scene: Scene, path: KeyPath, nodes: IntArray, specs: Sequence[LawSpec], to_law: ToLaw
+) -> PlacedLaws:
+    """The laws of a vector at nodes.
+
+    Args:
+        scene: The scene.
+        path: Key of the vector.
+        nodes: Where, shape (K,).
+        specs: What was said of each component.
+        to_law: How it is taken.
+
+    Raises:
+        ScenarioError: One depends on the place along a rod, but a node has none.
+    """
+    places = along_rods(scene.geometry)[nodes]
+    columns = dict(zip(_SPACE, scene.geometry.nodes[nodes].T, strict=True))
+    laws = []
+    for axis, spec in enumerate(specs):
+        used = frozenset[str]()
+        if isinstance(spec, ExpressionLaw):
+            used = compile_expression(spec.expression, ("t", "s", *_SPACE)).variables
+        if "s" in used and np.isnan(places).any():
+            lone = nodes[int(np.argmax(np.isnan(places)))]
             raise scene.error(
-                ("motions", self.index, "displacement", axis),
-                f"'s' goes along a rod that is one open line, but node {lone} is on none",
+                (*path, axis), f"'s' goes along a rod that is one open line, but node {lone} is on none"
             )
-        here = used.intersection(_SPACE)
-        columns = scene.geometry.nodes[self.nodes].T
-        return scene.laws(spec, {name: columns[_SPACE.index(name)] for name in _SPACE if name in here})
+        laws.append(to_law(spec, {name: columns[name] for name in _SPACE if name in used}))
+    return PlacedLaws(tuple(laws), places)
 
 
 def _turning(scene: Scene, index: int, motion: Clamp | Pin) -> Rigid | None:
@@ -99,7 +121,7 @@ def _turning(scene: Scene, index: int, motion: Clamp | Pin) -> Rigid | None:
         axis = np.array(rotation.axis)
         angle = scene.laws(rotation.angle)
         start = float(angle(0.0))
-        if start != 0.0:
+        if start != 0.0 and scene.scenario.initial is None:
             raise scene.error(
                 ("motions", index, "rotations", number, "angle"),
                 f"is {start:.3g} rad at the start, where the scene is at rest: let it grow from 0, by a ramp",

@@ -11,13 +11,18 @@ from ...scenario.language.motion import InitialVelocity, VelocityFile
 from ..scene import Scene
 
 
-def initial_velocity(scene: Scene, dofs: DofMap) -> FloatArray:
+def initial_velocity(scene: Scene, dofs: DofMap, before: FloatArray) -> FloatArray:
     """Velocity of every DOF at t = 0, shape (n,).
+
+    Args:
+        scene: The scene.
+        dofs: Numbering.
+        before: What is not given one has this, shape (n,).
 
     Raises:
         ScenarioError: A file does not fit its nodes, or a velocity leaves the plane of a planar scene.
     """
-    v = np.zeros(dofs.n)
+    v = before.copy()
     hidden = [axis for axis in range(3) if axis not in dofs.axes]
     for index, entry in enumerate(scene.scenario.initial_velocity):
         values = _nodal(scene, index, entry)

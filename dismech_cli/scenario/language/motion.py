@@ -13,7 +13,7 @@ from ..values.selection import SelectedEdges, SelectedNodes
 from ..values.spec import Spec, problem, told_by_key
 
 
-class Rotation(Spec):
+class AxisRotation(Spec):
     """Turns what is held about a line fixed in space, as a rigid body."""
 
     axis: DirectionTriple = Field(description="Direction of the line, of any length.")
@@ -24,7 +24,7 @@ class Rotation(Spec):
     )
 
 
-Rotations: TypeAlias = Annotated[tuple[Rotation, ...], Len(1, 100), Strict(False)]
+Rotations: TypeAlias = Annotated[tuple[AxisRotation, ...], Len(1, 100), Strict(False)]
 _DISPLACEMENT = (
     "Displacement from the rest position; expressions of t, of x, y, z of each node at rest [m] and of s, 0 "
     "to 1 along its rod."
@@ -53,7 +53,9 @@ class Clamp(Spec):
         default=None,
         description=_ROTATIONS + " Held edges turn with them, sections and normals of shells too.",
     )
-    twist: AngleLaw | None = Field(default=None, description="Rotation about the rod, before `rotations`.")
+    twist: AngleLaw | None = Field(
+        default=None, description="AxisRotation about the rod, before `rotations`."
+    )
     release: Time | None = Field(default=None, description="Time at which it lets go; default: never.")
 
 
@@ -82,7 +84,7 @@ class Twist(Spec):
 
     type: Literal["twist"] = Field(description="Kind of motion.")
     where: SelectedEdges = Field(description="Edges: the end of a rod, or some of its edges.")
-    angle: AngleLaw = Field(description="Rotation from rest.")
+    angle: AngleLaw = Field(description="AxisRotation from rest.")
     release: Time | None = Field(default=None, description="Time at which it lets go; default: never.")
 
 

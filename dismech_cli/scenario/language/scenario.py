@@ -13,6 +13,7 @@ from .actuation import Actuation
 from .expect import Expectation
 from .force import Force
 from .geometry import Body, Rod, Shell
+from .initial import Initial
 from .joint import Joint
 from .mass import PointMass
 from .material import Material
@@ -58,8 +59,11 @@ class Scenario(Spec):
     actuation: Annotated[tuple[Actuation, ...], Strict(False)] = Field(
         default=(), description="Natural strains that change in time."
     )
+    initial: Initial | None = Field(
+        default=None, description="Where the run starts; default: at rest, in the rest shape."
+    )
     initial_velocity: Annotated[tuple[InitialVelocity, ...], Strict(False)] = Field(
-        default=(), description="Velocities at t = 0; everything else starts at rest."
+        default=(), description="Velocities at t = 0; everything else starts at rest, or as `initial` says."
     )
     numerics: Numerics = Field(description="Time stepping and solvers.")
     output: Output = Field(default=Output(), description="Results.")

@@ -17,13 +17,14 @@ from .yaml_text import parse_yaml
 _PARSERS: Final = {".yaml": parse_yaml, ".yml": parse_yaml, ".toml": parse_toml}
 
 
-def resolve_file(name: str, directory: Path, tree: Path | None) -> Path:
+def resolve_file(name: str, directory: Path, tree: Path | None, *, folders: bool = False) -> Path:
     """The absolute path of an existing regular file.
 
     Args:
         name: As written, relative to ``directory`` or absolute.
         directory: Where relative names start.
         tree: Folder that the file must be in, links followed; None allows any.
+        folders: Allows a folder in its place.
 
     Raises:
         ScenarioError: if the file is missing, no regular file, or outside ``tree``.
@@ -34,7 +35,7 @@ def resolve_file(name: str, directory: Path, tree: Path | None) -> Path:
     except (OSError, ValueError, RuntimeError) as error:
         reason = getattr(error, "strerror", None) or "not a usable path"
         raise ScenarioError(f"cannot open {name!r}: {reason.lower()}") from None
-    if not stat.S_ISREG(mode):
+    if not stat.S_ISREG(mode) and not (folders and stat.S_ISDIR(mode)):
         raise ScenarioError(f"{name!r} is not a regular file")
     if tree is not None and not path.is_relative_to(tree.resolve()):
         raise ScenarioError(f"{name!r} lies outside the folder of the scenario; --allow-outside permits that")

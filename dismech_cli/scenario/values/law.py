@@ -146,6 +146,7 @@ AccelerationLaw: TypeAlias = Annotated[LawSpec, LawOf("acceleration")]
 ForcePerLengthLaw: TypeAlias = Annotated[LawSpec, LawOf("force per length")]
 MomentPerLengthLaw: TypeAlias = Annotated[LawSpec, LawOf("moment per length")]
 
+PlaceLaw: TypeAlias = Annotated[LawSpec, LawOf("length", ("s", "x", "y", "z"))]
 FlowLaw: TypeAlias = Annotated[LawSpec, LawOf("velocity", ("t", "x", "y", "z"))]
 
 DisplacementLaws: TypeAlias = Annotated[tuple[DisplacementLaw, ...], Len(3, 3), Strict(False)]
@@ -155,3 +156,4 @@ AccelerationLaws: TypeAlias = Annotated[tuple[AccelerationLaw, ...], Len(3, 3), 
 ForcePerLengthLaws: TypeAlias = Annotated[tuple[ForcePerLengthLaw, ...], Len(3, 3), Strict(False)]
 MomentPerLengthLaws: TypeAlias = Annotated[tuple[MomentPerLengthLaw, ...], Len(3, 3), Strict(False)]
 FluidVelocity: TypeAlias = Annotated[tuple[FlowLaw, ...], Len(3, 3), Strict(False)]
+PlaceLaws: TypeAlias = Annotated[tuple[PlaceLaw, ...], Len(3, 3), Strict(False)]

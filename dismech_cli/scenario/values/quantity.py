@@ -147,7 +147,13 @@ DirectionTriple: TypeAlias = Annotated[Triple, Direction()]
 
 @dataclass(frozen=True, slots=True)
 class FileReference:
-    """Marks a text field as the name of a file, relative to the folder of the scenario."""
+    """Marks a text field as the name of a file, relative to the folder of the scenario.
+
+    Attributes:
+        folder: Whether it may be a folder.
+    """
+
+    folder: bool = False
 
 
 FileName: TypeAlias = Annotated[str, FileReference(), Field(min_length=1, max_length=1000)]

@@ -96,12 +96,14 @@ class Leaf:
         value: In SI units.
         unit: SI unit; empty if the value is no quantity.
         file: True if the value names a file.
+        folder: True if it may name a folder instead.
     """
 
     path: KeyPath
     value: Any
     unit: str
     file: bool
+    folder: bool = False
 
 
 def leaves(value: Any, path: KeyPath = (), marks: tuple[Any, ...] = ()) -> Iterator[Leaf]:
@@ -130,8 +132,8 @@ def leaves(value: Any, path: KeyPath = (), marks: tuple[Any, ...] = ()) -> Itera
                 yield from leaves(child, (*path, i), (_TIME, *marks) if row and i == 0 else marks)
         case _:
             unit = _unit(marks) if isinstance(value, float) else ""
-            file = isinstance(value, str) and any(isinstance(mark, FileReference) for mark in marks)
-            yield Leaf(path, value, unit, file)
+            files = [mark for mark in marks if isinstance(mark, FileReference) and isinstance(value, str)]
+            yield Leaf(path, value, unit, bool(files), any(mark.folder for mark in files))
 
 
 _TIME = Quantity("time")
