@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
-
 from ..output.jsonable import Json, dumps
 from ..output.manifest import Manifest
 from ..quantities import with_unit
@@ -47,9 +45,9 @@ def _as_json(finished: Finished) -> dict[str, object]:
         "counters": manifest.counters,
         "seconds": manifest.seconds,
         "errors": faults_of(record.ending.code, manifest.message),
-        "expectations": [asdict(verdict) for verdict in record.ending.verdicts],
-        "probes": {name: record.scalars[name] for name in record.probes if name in record.scalars},
-        "energy_error": record.scalars.get("error"),
+        "expectations": manifest.expectations,
+        "probes": manifest.probes,
+        "energy_error": manifest.energy_error,
         "overrides": manifest.overrides,
         "versions": manifest.versions,
         "pictures": [str(file) for file in finished.pictures],

@@ -86,6 +86,9 @@ class Manifest:
         plan: The plan as the user is shown it.
         counters: Steps, Newton iterations, factorisations, rejected steps, ...
         seconds: Wall time by phase [s].
+        expectations: What each entry of ``expect:`` promised and the run gave, once it is done.
+        probes: Value of each probe in the last frame.
+        energy_error: Of the last frame [J]; None before there is one.
     """
 
     name: str
@@ -105,6 +108,9 @@ class Manifest:
     plan: str = ""
     counters: Mapping[str, int] = field(default_factory=dict)
     seconds: Mapping[str, float] = field(default_factory=dict)
+    expectations: tuple[Mapping[str, Json], ...] = ()
+    probes: Mapping[str, Json] = field(default_factory=dict)
+    energy_error: Json = None
 
     def save(self, run_dir: Path) -> Path:
         """Replace ``manifest.json`` in ``run_dir``, atomically.
@@ -130,7 +136,7 @@ def load_manifest(run_dir: Path) -> Manifest:
         content: dict[str, Json] = json.loads(data)
         known = {entry.name for entry in fields(Manifest)}
         arguments = {key: value for key, value in content.items() if key in known}
-        for name in ("argv", "changes", "overrides"):
+        for name in ("argv", "changes", "overrides", "expectations"):
             arguments[name] = tuple(content.get(name, ()))  # type: ignore[arg-type]
         return _sound(Manifest(**arguments))  # type: ignore[arg-type]
     except (ValueError, TypeError, AttributeError) as error:
@@ -151,6 +157,8 @@ def _sound(manifest: Manifest) -> Manifest:
         ("counters and seconds", all(isinstance(number, int | float) for number in numbers)),
         ("versions", isinstance(manifest.versions, Mapping)),
         ("threads", isinstance(manifest.threads, Mapping)),
+        ("expectations", all(isinstance(entry, Mapping) for entry in manifest.expectations)),
+        ("probes", isinstance(manifest.probes, Mapping)),
     ):
         if not sound:
             raise TypeError(f"its {name} makes no sense")

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ..compose.compose import Composition
 from ..errors import DismechError, OutputError
-from ..output.jsonable import Json
+from ..output.jsonable import Json, to_json
 from ..output.manifest import Manifest, Status, utc_now
 from ..run.interrupt import StopRequest
 from ..run.loop import Limits, Outcome, run
@@ -58,16 +58,12 @@ class Record:
         manifest: As saved.
         ending: How it ended.
         outcome: What this process stepped; None if it stepped nothing or was stopped at once.
-        scalars: Scalars of the last frame that this process wrote; probes are among them.
-        probes: Names of the probes.
     """
 
     run_dir: Path
     manifest: Manifest
     ending: Ending
     outcome: Outcome | None = None
-    scalars: Mapping[str, float] = field(default_factory=dict)
-    probes: tuple[str, ...] = ()
 
 
 def conduct(session: Session, stop: StopRequest) -> Record:
@@ -86,12 +82,13 @@ def conduct(session: Session, stop: StopRequest) -> Record:
         _abandon(recorder)
         narrator.error(f"stopped at once; {_advice(run_dir)}")
         ending = Ending(stop.exit_code, "stopped at once")
-        return Record(run_dir=run_dir, manifest=_ended(session, "interrupted", ending), ending=ending)
+        manifest = _ended(session, "interrupted", ending, latest)
+        return Record(run_dir=run_dir, manifest=manifest, ending=ending)
     except BaseException as error:
         _abandon(recorder)
         with suppress(OutputError):
             message = str(error) if isinstance(error, DismechError) else repr(error)
-            _ended(session, "failed", Ending(code_of(error), message))
+            _ended(session, "failed", Ending(code_of(error), message), latest)
         raise
     ending = conclude(
         session.loaded.scenario,
@@ -101,15 +98,8 @@ def conduct(session: Session, stop: StopRequest) -> Record:
         narrator,
         advice=_advice(run_dir, outcome.remedy),
     )
-    manifest = _ended(session, outcome.end.value, ending, outcome)
-    return Record(
-        run_dir=run_dir,
-        manifest=manifest,
-        ending=ending,
-        outcome=outcome,
-        scalars=latest.scalars,
-        probes=tuple(session.composition.simulation.probes),
-    )
+    manifest = _ended(session, outcome.end.value, ending, latest, outcome)
+    return Record(run_dir=run_dir, manifest=manifest, ending=ending, outcome=outcome)
 
 
 def _run(session: Session, recorder: Recorder, latest: Latest, stop: StopRequest) -> Outcome:
@@ -140,7 +130,9 @@ def _abandon(recorder: Recorder) -> None:
         recorder.close()
 
 
-def _ended(session: Session, status: Status, ending: Ending, outcome: Outcome | None = None) -> Manifest:
+def _ended(
+    session: Session, status: Status, ending: Ending, latest: Latest, outcome: Outcome | None = None
+) -> Manifest:
     """Save the manifest with the end of the run."""
     before = session.manifest
     seconds = dict(before.seconds)
@@ -155,6 +147,10 @@ def _ended(session: Session, status: Status, ending: Ending, outcome: Outcome | 
         message=ending.message,
         counters=before.counters if outcome is None else outcome.counters,
         seconds=seconds,
+        expectations=tuple(verdict.as_json() for verdict in ending.verdicts),
     )
+    if latest.scalars:
+        probes = {name: to_json(latest.scalars[name]) for name in session.composition.simulation.probes}
+        manifest = replace(manifest, probes=probes, energy_error=to_json(latest.scalars.get("error")))
     manifest.save(session.run_dir)
     return manifest

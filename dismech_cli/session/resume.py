@@ -9,7 +9,7 @@ from pathlib import Path
 
 from ..errors import OutputError, ScenarioError
 from ..output.jsonable import Json
-from ..output.manifest import FILE_NAME, installed_versions, load_manifest
+from ..output.manifest import FILE_NAME, Manifest, installed_versions, load_manifest
 from ..output.run_directory import LOG_FILE, SCENARIO_FILE, RunLock
 from ..run.interrupt import stop_on_signals
 from ..run.recorder import Checkpoint, Stored, discard, load_checkpoint, load_open_checkpoint
@@ -24,6 +24,7 @@ from .inputs import gather_inputs, refuse_other, stored_inputs
 from .log import Logged
 from .narrator import Narrator
 from .pause import Pause
+from .verdicts import Verdict
 
 
 def proceed(
@@ -60,8 +61,7 @@ def proceed(
             if change.overrides:
                 raise ScenarioError(f"{run_dir} is finished: only a later end, --until T, changes it")
             narrator.say(f"{run_dir} is finished" + (f"; {manifest.message}" if manifest.message else ""))
-            ending = Ending(manifest.exit_code or Exit.DONE, manifest.message)
-            return Finished(Record(run_dir=run_dir, manifest=manifest, ending=ending))
+            return Finished(Record(run_dir=run_dir, manifest=manifest, ending=_ending(run_dir, manifest)))
         logged = Logged(narrator, run_dir / LOG_FILE)
         recorded, checkpoint = _stored(
             run_dir, logged, load_open_checkpoint if change.overrides else load_checkpoint
@@ -77,7 +77,7 @@ def proceed(
                 checkpoint = moved(composition.simulation, checkpoint)
             manifest, recorded = keep(run_dir, manifest, recorded, checkpoint, change)
             logged.say(manifest.changes[-1])
-        manifest = replace(manifest, status="running", ended="", exit_code=None, message="")
+        manifest = replace(manifest, status="running", ended="", exit_code=None, message="", expectations=())
         manifest.save(run_dir)
         identity = recorded or _fresh_identity(run_dir, later, composition.plan.kernels)
         logged.say(f"resuming at t = {0.0 if checkpoint is None else checkpoint.t:.6g} s")
@@ -101,6 +101,19 @@ def _scenario(run_dir: Path) -> LoadedScenario:
     if not file.is_file():
         raise OutputError(f"cannot resume {run_dir}: it was stopped before {SCENARIO_FILE} was written")
     return load(file)
+
+
+def _ending(run_dir: Path, manifest: Manifest) -> Ending:
+    """How a finished run ended, from its record.
+
+    Raises:
+        OutputError: The record is damaged.
+    """
+    try:
+        verdicts = tuple(map(Verdict.of_json, manifest.expectations))
+    except ValueError as error:
+        raise OutputError(f"cannot read {run_dir / FILE_NAME}: it is damaged ({error})") from error
+    return Ending(manifest.exit_code or Exit.DONE, manifest.message, verdicts)
 
 
 def _end(loaded: LoadedScenario) -> float:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from typing import Self
 
+from ..output.jsonable import Json, to_json
 from ..quantities import with_unit
 from ..run.loop import Outcome
 from ..run.observables.reduce import reduce_series
@@ -33,6 +35,21 @@ class Verdict:
     unit: str
     source: str
     passed: bool
+
+    @classmethod
+    def of_json(cls, entry: Mapping[str, Json]) -> Self:
+        """The verdict that :meth:`as_json` gave.
+
+        Raises:
+            ValueError: If it did not give this.
+        """
+        texts = {name: str(entry.get(name, "")) for name in ("name", "tolerance", "unit", "source")}
+        measured, expected = (float(str(entry.get(name))) for name in ("measured", "expected"))
+        return cls(measured=measured, expected=expected, passed=entry.get("passed") is True, **texts)
+
+    def as_json(self) -> dict[str, Json]:
+        """For programs and records."""
+        return {name: to_json(value) for name, value in asdict(self).items()}
 
     def __str__(self) -> str:
         measured, expected = (with_unit(f"{x:.6g}", self.unit) for x in (self.measured, self.expected))

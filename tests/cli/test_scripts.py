@@ -83,3 +83,18 @@ def test_no_render_draws_nothing(call, swing):
     assert done.code == 0
     assert json.loads(done.stdout)["pictures"] == []
     assert not (swing / "out" / "render").exists()
+
+
+def test_resume_of_a_finished_run_says_what_the_run_said(call, swing):
+    done = call("run", "swing.yaml", *SHORT, *MISSED, *PROBE, "--json", "-o", "out")
+    again = call("resume", "out", "--json", "--junit", "report.xml")
+    assert again.code == done.code == 4
+    ran, resumed = json.loads(done.stdout), json.loads(again.stdout)
+    assert len(ran["expectations"]) == 1
+    assert list(ran["probes"]) == ["tip"]
+    assert resumed == ran
+    assert parse(swing / "report.xml").getroot().get("failures") == "1"
+    assert "MISSED" in call("resume", "out").stdout
+    later = json.loads(call("resume", "out", "--json", "--until", "0.02 s").stdout)
+    assert later["expectations"][0]["measured"] < ran["expectations"][0]["measured"]
+    assert later["probes"]["tip"] == later["expectations"][0]["measured"]

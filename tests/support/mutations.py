@@ -7,7 +7,12 @@ import re
 from pathlib import Path
 
 FOLDER = Path(__file__).resolve().parents[2] / "scenarios"
-DECKS = sorted(file for file in FOLDER.glob("*.*") if file.suffix in (".yaml", ".toml"))
+DECKS = sorted(
+    file
+    for place in (FOLDER, FOLDER / "verification")
+    for file in place.glob("*.*")
+    if file.suffix == ".yaml"
+)
 
 # Numbers at the edges of every format, wrong types, units of other things, texts that mean something to YAML.
 HOSTILE = (
