@@ -26,6 +26,7 @@ SECTIONS = (
     "defaults",
     "other_code",
     "start_up",
+    "memory",
 )
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 HERE = Path(__file__).resolve().parent

@@ -1,8 +1,11 @@
-"""A run as JUnit XML, which continuous integration shows: one test case for the run, one per expectation."""
+"""Runs and checks as JUnit XML, which continuous integration shows.
+
+A run is one test case and one for each expectation; a check is one for each scenario.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from xml.etree.ElementTree import Element, SubElement, tostring
@@ -28,6 +31,24 @@ def write_junit(file: Path, finished: Finished) -> None:
         case = _case(suite, manifest.name, verdict.name, 0.0)
         if not verdict.passed:
             _fault(case, "failure", str(verdict))
+    _write(file, suite)
+
+
+def write_checks(file: Path, faults: Mapping[str, str]) -> None:
+    """Write what was checked.
+
+    Args:
+        file: Where to.
+        faults: What is wrong with each scenario, or nothing.
+
+    Raises:
+        OutputError: If the file cannot be written.
+    """
+    suite = Element("testsuite", name="check")
+    for scenario, message in faults.items():
+        case = _case(suite, scenario, "check", 0.0)
+        if message:
+            _fault(case, "error", message)
     _write(file, suite)
 
 

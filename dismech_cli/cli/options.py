@@ -115,7 +115,7 @@ NoRender = Annotated[
 ]
 JUnit = Annotated[
     Path | None,
-    typer.Option("--junit", metavar="FILE", help="Write the verdicts as JUnit XML.", show_default=False),
+    typer.Option("--junit", metavar="FILE", help="Write the result as JUnit XML.", show_default=False),
 ]
 Progress = Annotated[Shown, typer.Option("--progress", help="How progress is shown.")]
 Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="Only warnings, errors and the run directory.")]

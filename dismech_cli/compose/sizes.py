@@ -1,4 +1,4 @@
-"""What a scene would hold in memory, estimated before anything large is made of it."""
+"""What a run holds in memory: roughly before anything large is made of a scene, well once it is made."""
 
 from __future__ import annotations
 
@@ -8,18 +8,39 @@ from pathlib import Path
 from typing import Final
 
 from ..errors import ScenarioError
+from ..model.model import Model
 from ..scenario.load import LoadedScenario
 from .bodies.geometry import Geometry
 
-# Peaks of whole runs over that of a tiny one, by the edge and the triangle: matrix, factors, slot tables.
-_PROGRAM: Final = 100e6  # bytes of Python with its libraries
-_PLANAR_EDGE, _EDGE = 4e3, 10e3  # bytes; framed bending, the dearest
-_TRIANGLE: Final = 22e3  # bytes; hinges, the dearest
+# Peaks of whole runs, measured (benchmarks/memory.py), pictures aside, which another process draws.
+_PROGRAM: Final = 117e6  # bytes of Python with its libraries
+_MKL, _NUMBA = 24e6, 109e6  # bytes of those
+# Before a scene is composed, by the edge and the triangle; framed bending and hinges are the dearest.
+_PLANAR_EDGE, _EDGE, _TRIANGLE = 4e3, 10e3, 22e3  # bytes
+# Afterwards, by the pair of DOFs that a stencil couples (tables of slots; NumPy keeps all Hessians too) and
+# by the entry of the matrix (values, factors).
+_PER_PAIR: Final = {"numpy": 69.0, "numba": 12.0}  # bytes
+_PER_ENTRY: Final = {"numpy": 0.0, "numba": 155.0}  # bytes
 _CGROUP_LIMIT: Final = Path("/sys/fs/cgroup/memory.max")
 
 
-def memory(edges: int, triangles: int, dimension: int) -> float:
-    """Rough peak of a run [byte].
+def memory(model: Model, kernels: str, solver: str, entries: int) -> float:
+    """Peak of a run [byte], within a factor of 1.5.
+
+    Args:
+        model: What it steps.
+        kernels: ``numpy`` or ``numba``.
+        solver: Its linear solver.
+        entries: Stored entries of the matrix.
+    """
+    couplings = [coupling.dofs for term in model.terms for coupling in term.couplings]
+    pairs = float(sum(dofs.size * dofs.shape[1] for dofs in couplings))
+    libraries = _PROGRAM + (_MKL if solver == "pardiso" else 0.0) + (_NUMBA if kernels == "numba" else 0.0)
+    return libraries + _PER_PAIR[kernels] * pairs + _PER_ENTRY[kernels] * entries
+
+
+def rough_memory(edges: int, triangles: int, dimension: int) -> float:
+    """Peak of a run [byte], within a factor of 3, from what is known before it is composed.
 
     Args:
         edges: Number of rod edges.
@@ -36,7 +57,7 @@ def refuse_oversized(loaded: LoadedScenario, geometry: Geometry) -> None:
         ScenarioError: pointing to the body with the most elements.
     """
     edges, triangles = len(geometry.edges), len(geometry.triangles)
-    needed, present = memory(edges, triangles, loaded.scenario.dimension), machine_memory()
+    needed, present = rough_memory(edges, triangles, loaded.scenario.dimension), machine_memory()
     if needed > present:
         raise _oversized(loaded, geometry, f"{edges} edges and {triangles} triangles", needed, present)
 

@@ -37,7 +37,7 @@ class Cost:
         steps: Nominal time steps.
         frames: Frames written.
         seconds: Rough wall time [s].
-        memory: Rough memory [byte].
+        memory: Peak of the process [byte], within a factor of 1.5; pictures are drawn by another.
         disk: Bytes of all frames in the run file.
     """
 
@@ -170,17 +170,18 @@ def estimate(composition: Composition) -> Cost:
     if simulation.frame_every > 0.0:
         frames = min(frames, int(end / simulation.frame_every * (1.0 + 1e-12)) + 1)
     fixed, edge, triangle = _ITERATION[composition.plan.kernels]
+    solver = choose_solver(pattern) if wanted == "auto" else wanted
     edges, triangles = len(topology.edges), len(topology.triangles)
     iteration = fixed + edge * edges + triangle * triangles + _FILL * triangles**_FILL_POWER
     return Cost(
         dofs=model.dofs.n,
         free=pattern.m,
         entries=pattern.nnz,
-        solver=choose_solver(pattern) if wanted == "auto" else wanted,
+        solver=solver,
         steps=steps,
         frames=frames,
         seconds=steps * _ITERATIONS_PER_STEP * iteration,
-        memory=memory(edges, triangles, model.dofs.dimension),
+        memory=memory(model, composition.plan.kernels, solver, pattern.nnz),
         disk=8.0 * frames * _numbers_per_frame(topology),
     )
 

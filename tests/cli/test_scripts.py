@@ -98,3 +98,13 @@ def test_resume_of_a_finished_run_says_what_the_run_said(call, swing):
     later = json.loads(call("resume", "out", "--json", "--until", "0.02 s").stdout)
     assert later["expectations"][0]["measured"] < ran["expectations"][0]["measured"]
     assert later["probes"]["tip"] == later["expectations"][0]["measured"]
+
+
+def test_junit_of_a_check_has_a_case_per_scenario(call, swing):
+    (swing / "bad.yaml").write_text((swing / "swing.yaml").read_text().replace("2 MPa", "2 mm"))
+    assert call("check", "swing.yaml", "bad.yaml", "--junit", "report.xml").code == 2
+    suite = parse(swing / "report.xml").getroot()
+    assert (suite.get("tests"), suite.get("failures"), suite.get("errors")) == ("2", "0", "1")
+    assert [case.get("classname") for case in suite] == ["swing.yaml", "bad.yaml"]
+    assert "youngs_modulus" in suite[1][0].text
+    assert call("check", "swing.yaml", "--junit", "no/folder/report.xml").code == 5

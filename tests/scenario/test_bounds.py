@@ -90,7 +90,7 @@ def test_a_scene_larger_than_the_machine_is_refused_with_its_place(monkeypatch: 
         "{shape: sheet, origin: [0, 0, 1], length: 1, width: 1, divisions: 40}}"
     )
     text = ROD.replace("motions:", f"  - {sheet}\nmotions:")
-    needed = sizes.memory(20, 3720, 3)
+    needed = sizes.rough_memory(20, 3720, 3)
     monkeypatch.setattr(sizes, "machine_memory", lambda: 0.5 * needed)
     first = _fault(text).splitlines()[0]
     assert first.startswith("<text>:8:5: geometry[1]: the scene has 20 edges and ")

@@ -14,7 +14,7 @@ from .. import options
 SUMMARY = "Read and build scenarios without stepping: plan with reasons, warnings, cost."
 EXAMPLES = """
 dismech check cantilever.yaml
-dismech check scenarios/*.yaml
+dismech check scenarios/*.yaml --junit report.xml
 dismech check cantilever.yaml --set geometry[0].generate.nodes=1001 --json
 """
 
@@ -26,6 +26,7 @@ def check(
     overrides: options.Set = None,
     profile: options.ProfileOption = None,
     allow_outside: options.AllowOutside = False,
+    junit: options.JUnit = None,
     json: options.Json = False,
 ) -> int:
     """Entry point of the command."""
@@ -36,10 +37,11 @@ def check(
     from ...session.faults import faults
     from ...session.inspect import inspect
     from ..console import Console, emit
+    from ..junit import write_checks
 
     console = Console()
     found: list[Mapping[str, Json]] = []
-    bad = 0
+    bad: dict[str, str] = {}
     for path in scenarios:
         try:
             finding = inspect(
@@ -51,13 +53,15 @@ def check(
         except DismechError as error:
             console.error(str(error))
             found.append({"scenario": str(path), "ok": False, "error": str(error), "errors": faults(error)})
-            bad += 1
+            bad[str(path)] = str(error)
             continue
         found.append(finding.as_json())
         for warning in finding.warnings:
             console.warn(warning)
         if not json:
             emit(str(finding))
+    if junit is not None:
+        write_checks(junit, {str(path): bad.get(str(path), "") for path in scenarios})
     if json:
         emit(dumps(found, indent=2))
     return Exit.INPUT if bad else Exit.DONE
