@@ -69,8 +69,8 @@ def report(quick: bool) -> str:
     met = sum(row[-1] for row in rows)
     return "\n\n".join(
         (
-            f"## Memory\n\nPeak of a run of three seconds over the estimate of `check` [MB], pictures aside, which "
-            f"another process draws: {met} of {len(rows)} within a factor of {BAR:g}.",
+            "## Memory\n\nPeak of a run of three seconds and the estimate of `check` [MB], pictures aside, "
+            f"which another process draws: {met} of {len(rows)} within a factor of {BAR:g}.",
             table(("scene", "kernels, solver", "peak", "estimate", "ratio"), [row[:-1] for row in rows]),
         )
     )

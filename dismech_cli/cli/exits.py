@@ -5,8 +5,10 @@ from __future__ import annotations
 import os
 import sys
 import traceback
+import warnings
 from collections.abc import Sequence
-from typing import Any, NoReturn
+from pathlib import Path
+from typing import Any, NoReturn, TextIO
 
 import typer
 
@@ -16,11 +18,13 @@ from .console import ClosedPipeError, Console, emit
 
 # The base of all usage errors: the module that defines it differs between versions of Typer.
 _UsageError: Any = typer.BadParameter.__base__
+_PACKAGE = Path(__file__).resolve().parents[1]
 
 
 def leave(app: typer.Typer, arguments: Sequence[str] | None) -> NoReturn:
     """Run ``app`` and end the process."""
     _open_closed_streams()
+    _show_warnings_plainly()
     code = exit_code(app, arguments)
     try:
         if sys.stdout is not None:
@@ -48,6 +52,26 @@ def _open_closed_streams() -> None:
             os.fstat(number)
         except OSError:
             os.open(os.devnull, os.O_RDWR)
+
+
+def _show_warnings_plainly() -> None:
+    """Warnings of this program, such as those of the cache, without the line of source that gave them."""
+    otherwise = warnings.showwarning
+
+    def show(
+        message: Warning | str,
+        category: type[Warning],
+        filename: str,
+        lineno: int,
+        file: TextIO | None = None,
+        line: str | None = None,
+    ) -> None:
+        if category is UserWarning and Path(filename).is_relative_to(_PACKAGE):
+            Console().warn(str(message))
+        else:
+            otherwise(message, category, filename, lineno, file, line)
+
+    warnings.showwarning = show
 
 
 def exit_code(app: typer.Typer, arguments: Sequence[str] | None) -> int:

@@ -14,6 +14,7 @@ import stat
 import sys
 import tempfile
 import warnings
+from contextlib import suppress
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
@@ -26,6 +27,9 @@ def cache_folder() -> Path:
 
     It lies in the user's cache directory, or in that of ``DISMECH_CACHE``.
 
+    Raises:
+        OSError: Neither it nor a temporary folder can be made.
+
     Warns:
         UserWarning: The folder cannot be made or cannot be trusted: said once, with the reason.
     """
@@ -34,9 +38,11 @@ def cache_folder() -> Path:
     return _trusted(base.absolute() / "kernels" / f"numba-{version('numba')}-{sys.implementation.cache_tag}")
 
 
-def is_compiled(folder: Path) -> bool:
-    """Whether some kernels have been compiled into a folder before."""
-    return any(folder.rglob("*.nbi"))
+def is_compiled() -> bool:
+    """Whether some kernels have been compiled before and kept."""
+    with suppress(OSError):
+        return any(cache_folder().rglob("*.nbi"))
+    return False
 
 
 @cache

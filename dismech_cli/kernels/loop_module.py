@@ -15,6 +15,7 @@ from typing import Any
 from ..geometry.kernel import marked_kernels
 from .cache import cache_folder, temporary_folder
 from .fingerprint import fingerprint
+from .numba_source import not_kept
 
 # Reassociation and contraction only: never nnan or ninf, which delete checks for NaN. Kernels are
 # inlined into their loops, so that a loop that wants the residual alone computes nothing else.
@@ -29,12 +30,13 @@ class LoopModule:
 
     Numba looks into its cache when a loop is first called with some types of arguments, so a file that
     a full disk cut short, or that cannot be read, shows only there, before the loop has done anything.
-    Such files are removed and the loops compiled again; if that fails too, in a temporary folder.
+    Such files are removed and the loops compiled again; if that fails too, in a temporary folder, and in
+    memory alone where there is no room for one.
     """
 
     def __init__(self, function: Callable[..., Any], kind: str, text: str) -> None:
         self._name, self._text = _module_name(function, kind, text), text
-        self._repairs = [self._compiled_again, self._elsewhere]
+        self._repairs = [self._compiled_again, self._elsewhere, self._in_memory]
         try:
             self._module = _imported(self._name, text, cache_folder())
         except (OSError, RuntimeError) as error:  # Numba has a RuntimeError for what it cannot write to
@@ -66,7 +68,13 @@ class LoopModule:
         return _imported(self._name, self._text, cache_folder())
 
     def _elsewhere(self) -> ModuleType:
-        return _imported(self._name, self._text, temporary_folder())
+        try:
+            return _imported(self._name, self._text, temporary_folder())
+        except (OSError, RuntimeError):
+            return self._in_memory()
+
+    def _in_memory(self) -> ModuleType:
+        return _executed(self._name, not_kept(self._text), Path(f"{self._name}.py"))
 
 
 def _is_mistake(error: Exception) -> bool:
@@ -92,22 +100,32 @@ def _imported(name: str, text: str, folder: Path) -> ModuleType:
     import numba
 
     numba.config.CACHE_DIR = str(folder)  # type: ignore[attr-defined]
+    path, source = folder / f"{name}.py", text.encode()
+    if not path.exists() or path.read_bytes() != source:
+        # written aside and renamed: two runs may start at the same time
+        partial = path.with_suffix(f".{os.getpid()}.tmp")
+        try:
+            partial.write_bytes(source)
+            partial.replace(path)
+        finally:
+            partial.unlink(missing_ok=True)
+    return _executed(name, text, path)
+
+
+def _executed(name: str, text: str, path: Path) -> ModuleType:
+    """Run the text of a module of loops."""
+    import numba
+
     for function, compiled in marked_kernels():
         if function not in _REGISTERED:
             overload = numba.extending.overload(function, jit_options=_KERNEL_OPTIONS, strict=False)
             overload(_returning(compiled))
             _REGISTERED.add(function)
-    path, source = folder / f"{name}.py", text.encode()
-    if not path.exists() or path.read_bytes() != source:
-        # written aside and renamed: two runs may start at the same time
-        partial = path.with_suffix(f".{os.getpid()}.tmp")
-        partial.write_bytes(source)
-        partial.replace(path)
     module = ModuleType(f"dismech_loops_{name}")
     module.__file__ = str(path)
     # code loaded from Numba's cache looks its module up by name
     sys.modules[module.__name__] = module
-    exec(compile(source, path, "exec"), vars(module))
+    exec(compile(text, path, "exec"), vars(module))
     return module
 
 

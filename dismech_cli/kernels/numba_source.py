@@ -24,6 +24,14 @@ jit = njit(cache=True, fastmath={{"nsz", "arcp", "contract", "afn", "reassoc"}},
 
 '''
 
+_KEPT = "cache=True, "
+
+
+def not_kept(text: str) -> str:
+    """The text of a module whose loops Numba compiles into memory alone."""
+    return text.replace(_KEPT, "", 1)
+
+
 _STENCIL = """
 @jit
 def energies(q, auxiliary, p, dofs, places, out):

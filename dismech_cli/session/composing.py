@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from importlib.util import find_spec
-
 from ..compose.compose import Composition, compose
 from ..compose.numerics import DRIVERS
 from ..compose.structure.plan import Plan
 from ..errors import ScenarioError
-from ..kernels.cache import cache_folder, is_compiled
+from ..kernels.availability import numba_fault
+from ..kernels.cache import is_compiled
 from ..scenario.load import LoadedScenario
 from ..words import listed
 from .narrator import Narrator
@@ -27,8 +26,8 @@ def composed(loaded: LoadedScenario, kernels: str | None, narrator: Narrator) ->
     """
     if kernels is not None and kernels not in DRIVERS:
         raise ScenarioError(f"unknown kernels {kernels!r}: expected {listed(DRIVERS)}")
-    if kernels == "numba" and find_spec("numba") is None:
-        raise ScenarioError("kernels by numba, which is missing: pip install 'dismech[fast]'")
+    if kernels == "numba" and (fault := numba_fault()):
+        raise ScenarioError(f"kernels by numba, which {fault.text}")
     return compose(loaded, kernels, planned=lambda plan: tell_plan(plan, narrator))
 
 
@@ -45,5 +44,5 @@ def tell_plan(plan: Plan, narrator: Narrator) -> None:
     narrator.say("plan: " + "; ".join(d.what.partition(":")[0] for d in plan.decisions))
     for decision in plan.decisions:
         narrator.detail(f"  {decision.what}: {decision.why}")
-    if plan.kernels == "numba" and not is_compiled(cache_folder()):
+    if plan.kernels == "numba" and not is_compiled():
         narrator.say("compiling kernels, once")

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import os
 import shutil
-from importlib.util import find_spec
 from pathlib import Path
 
 from ..errors import RenderError
+from ..kernels.availability import numba_fault
 from ..kernels.cache import cache_folder
 from ..output.manifest import installed_versions, platform_facts
 from ..output.threads import thread_settings
@@ -39,10 +39,13 @@ def _threads() -> str:
 
 
 def _kernels() -> str:
-    if find_spec("numba") is None:
-        return "no numba: long runs take NumPy; faster with: pip install 'dismech[fast]'"
-    folder = cache_folder()
-    count = sum(1 for _ in folder.rglob("*.nbi"))
+    if fault := numba_fault():
+        return f"long runs take NumPy: numba {fault.text}"
+    try:
+        folder = cache_folder()
+        count = sum(1 for _ in folder.rglob("*.nbi"))
+    except OSError as error:
+        return f"numba, compiled anew in every run: no folder can be made ({error.strerror})"
     return f"numba, {count} compiled in {folder}"
 
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from importlib.util import find_spec
 from pathlib import Path
 
 from ..errors import OutputError, ScenarioError
+from ..kernels.availability import numba_fault
 from ..output.jsonable import Json
 from ..output.manifest import FILE_NAME, Manifest, installed_versions, load_manifest
 from ..output.run_directory import LOG_FILE, SCENARIO_FILE, RunLock
@@ -67,10 +67,8 @@ def proceed(
             run_dir, logged, load_open_checkpoint if change.overrides else load_checkpoint
         )
         kernels = None if recorded is None else str(recorded["kernels"])
-        if kernels == "numba" and find_spec("numba") is None:
-            raise ScenarioError(
-                f"{run_dir} was run with numba, which is missing: pip install 'dismech[fast]'"
-            )
+        if kernels == "numba" and (fault := numba_fault()):
+            raise ScenarioError(f"{run_dir} was run with numba, which {fault.text}")
         composition = composed(later, kernels, narrator)
         if change.overrides:
             if checkpoint is not None:

@@ -144,3 +144,35 @@ def test_mistakes_in_kernels_are_not_blamed_on_the_cache(places: tuple[Path, Pat
     with pytest.raises(NumbaError):
         made.run("loop", np.zeros((1, 1)), np.zeros((2, 1)))
     assert not compiled(places[1])
+
+
+def test_without_any_room_loops_live_in_memory(places: tuple[Path, Path]) -> None:
+    for folder in places:
+        folder.rmdir()
+        folder.write_text("a file")
+    with pytest.warns(UserWarning, match="cache of compiled kernels failed"):
+        assert_works(loops())
+
+
+def test_a_disk_that_fills_while_loops_are_kept(
+    places: tuple[Path, Path], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from numba.core import caching
+
+    def full(*arguments: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(caching.IndexDataCacheFile, "save", full)
+    with pytest.warns(UserWarning, match="No space left on device"):
+        assert_works(loops())
+
+
+def test_half_a_module_is_not_left_behind(places: tuple[Path, Path], monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(path: Path, data: bytes) -> int:
+        path.touch()
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(Path, "write_bytes", full)
+    with pytest.warns(UserWarning, match="No space left on device"):
+        assert_works(loops())
+    assert not [file for folder in places for file in folder.iterdir()]

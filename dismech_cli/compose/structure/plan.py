@@ -8,10 +8,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import Enum
-from importlib.util import find_spec
 
 import numpy as np
 
+from ...kernels.availability import numba_fault
 from ...kinematics.strains import joint_angles
 from ...mesh.topology.rods import ChainKind, chains, rod_stencils
 from ...scenario.language.actuation import CurvatureActuation, TwistActuation
@@ -105,9 +105,10 @@ def make_plan(scene: Scene, holds: tuple[Hold, ...], kernels: str | None = None)
         decisions.append(Decision("no inertia", "static: mass enters the weight only"))
     if not any(force.velocity_dependent for force in scenario.forces):
         decisions.append(Decision("no damping matrix", "no force depends on velocity"))
-    kernels, why = (kernels, "as in the resumed run") if kernels else _kernels(scene)
+    warnings = list(scene_doubts(scene, holds))
+    kernels, why = (kernels, "as in the resumed run") if kernels else _kernels(scene, warnings)
     decisions.append(Decision(f"kernels by {kernels}", why))
-    return Plan(axes, bending, static, kernels, tuple(decisions), tuple(scene_doubts(scene, holds)))
+    return Plan(axes, bending, static, kernels, tuple(decisions), tuple(warnings))
 
 
 def _check_planar(scene: Scene, axes: tuple[int, ...]) -> None:
@@ -211,17 +212,14 @@ def _most_held(geometry: Geometry, holds: tuple[Hold, ...]) -> int:
     return most
 
 
-def _kernels(scene: Scene) -> tuple[str, str]:
+def _kernels(scene: Scene, warnings: list[str]) -> tuple[str, str]:
     numerics, geometry = scene.scenario.numerics, scene.geometry
-    present = find_spec("numba") is not None
     if numerics.kernels == "numba":
-        if not present:
-            raise scene.error(("numerics", "kernels"), "numba is not installed; pip install 'dismech[fast]'")
+        if fault := numba_fault():
+            raise scene.error(("numerics", "kernels"), f"numba {fault.text}")
         return "numba", "asked for"
     if numerics.kernels == "numpy":
         return "numpy", "asked for"
-    if not present:
-        return "numpy", "numba is not installed (extra 'fast')"
     steps = (
         numerics.integrator.load_steps
         if isinstance(numerics.integrator, Static)
@@ -230,4 +228,8 @@ def _kernels(scene: Scene) -> tuple[str, str]:
     work = 4.0 * steps * (len(geometry.edges) + _TRIANGLE * len(geometry.triangles) + 150)
     if work < _COMPILE_WORTH:
         return "numpy", "the run is shorter than compiling the kernels"
+    if fault := numba_fault():
+        if fault.broken:
+            warnings.append(f"the run is slower without compiled kernels: numba {fault.text}")
+        return "numpy", f"numba {fault.text}"
     return "numba", "the run is long enough to repay compiling"

@@ -38,10 +38,10 @@ def _entry_point() -> Any:
 
 
 def pardiso_available() -> bool:
-    """Whether pypardiso is installed and finds its MKL library."""
+    """Whether pypardiso is installed and loads its MKL library; a broken one raises anything."""
     try:
         _entry_point()
-    except ImportError:
+    except Exception:
         return False
     return True
 
