@@ -24,7 +24,7 @@ from .jsonable import Json
 _META = "__meta__"
 _DIGEST = "__sha256__"
 _KEPT = 2
-_NAME = re.compile(r"checkpoint-\d{6}\.npz")
+NAME = re.compile(r"checkpoint-\d{6}\.npz")
 
 Arrays = Mapping[str, NDArray[Any]]
 
@@ -145,7 +145,7 @@ def load(path: Path) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
 def _newest_first(folder: Path) -> list[Path]:
     """The checkpoints of a folder; other files in it, such as copies by hand, are left alone."""
     return sorted(
-        (file for file in folder.glob("checkpoint-*.npz") if _NAME.fullmatch(file.name)), reverse=True
+        (file for file in folder.glob("checkpoint-*.npz") if NAME.fullmatch(file.name)), reverse=True
     )
 
 

@@ -21,6 +21,7 @@ EVENTS_FILE = "events.jsonl"
 SCENARIO_FILE = "scenario.resolved.yaml"
 LOG_FILE = "log.txt"
 CHECKPOINT_FOLDER = "checkpoints"
+INPUT_FOLDER = "inputs"
 RENDER_FOLDER = "render"
 
 _NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,99}")

@@ -12,12 +12,11 @@ from pathlib import Path
 from ..errors import ScenarioError
 from ..output.durable import output_errors, staged, write_bytes
 from ..output.jsonable import Json
-from ..output.run_directory import SCENARIO_FILE
+from ..output.run_directory import INPUT_FOLDER, SCENARIO_FILE
 from ..scenario.load import LoadedScenario
 from ..scenario.views.dump import dump_resolved
 from ..scenario.views.walk import leaves
 
-INPUT_FOLDER = "inputs"
 STATE_FILE = "initial-state.npz"
 _SHOWN_LINES = 20
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from ..errors import OutputError, ScenarioError
 from ..kernels.availability import numba_fault
 from ..output.jsonable import Json
+from ..output.leftovers import remove_leftovers
 from ..output.manifest import FILE_NAME, Manifest, installed_versions, load_manifest
 from ..output.run_directory import LOG_FILE, SCENARIO_FILE, RunLock
 from ..run.interrupt import stop_on_signals
@@ -54,6 +55,9 @@ def proceed(
         raise ScenarioError(f"{run_dir} is no run directory: it has no {FILE_NAME}")
     with RunLock(run_dir), stop_on_signals() as stop:
         manifest = load_manifest(run_dir)
+        if removed := remove_leftovers(run_dir):
+            names = ", ".join(str(file.relative_to(run_dir)) for file in removed)
+            narrator.say(f"removed what a killed process left half written: {names}")
         before = _scenario(run_dir)
         change = asked(before, overrides, pause)
         later = change.after

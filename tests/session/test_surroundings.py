@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import signal
 import subprocess
 import sys
@@ -127,3 +128,20 @@ def test_closed_standard_output_is_told(swing):
     assert done.returncode == 5
     assert "cannot write to standard output: it is closed" in done.stderr
     assert json.loads((swing / "out" / "manifest.json").read_text())["status"] == "done"
+
+
+def test_half_written_files_of_killed_processes_are_removed(nursery, paused):
+    half = [
+        *(".manifest.4321.json", ".scenario.resolved.4321.yaml", "checkpoints/.checkpoint-000002.4321.npz"),
+        *("frames/.000007.4321.vtu", "inputs/.bell.4321.obj", "render/.old.4321.mp4"),
+    ]
+    kept = [".mine.json", ".notes.4321.txt", "checkpoints/.mine.4321.npz", "render/.young.4321.mp4"]
+    for name in (*half, *kept):
+        (paused / name).parent.mkdir(exist_ok=True)
+        (paused / name).write_bytes(b"half")
+    os.utime(paused / "render/.old.4321.mp4", (0, 0))
+    done = nursery.call(paused.parent, "resume", "out")
+    assert done.code == 0
+    assert "removed what a killed process left half written: .manifest.4321.json, " in done.stderr
+    assert not any((paused / name).exists() for name in half)
+    assert all((paused / name).read_bytes() == b"half" for name in kept)
