@@ -1,0 +1,123 @@
+"""What ``--json`` prints: the contract with scripts, as a schema that the tests hold the program to."""
+
+from __future__ import annotations
+
+from typing import Any, Literal, TypeAlias
+
+from pydantic import BaseModel, ConfigDict, Field, TypeAdapter
+
+Number: TypeAlias = float | Literal["nan", "inf", "-inf"]
+
+
+class _Strict(BaseModel):
+    model_config = ConfigDict(extra="forbid", strict=True)
+
+
+class Fault(_Strict):
+    """Why something did not end well; null where there is no such place."""
+
+    file: str | None
+    line: int | None
+    column: int | None
+    key: str | None
+    message: str
+
+
+class Expectation(_Strict):
+    """An entry of ``expect:``, judged; both numbers in ``unit``."""
+
+    name: str
+    measured: Number
+    expected: Number
+    tolerance: str
+    unit: str
+    source: str
+    passed: bool
+
+
+class Run(_Strict):
+    """``run`` and ``resume`` of a run that began, however it ended."""
+
+    run_dir: str
+    status: Literal["done", "failed", "interrupted"]
+    exit_code: int
+    message: str
+    errors: list[Fault] = Field(description="Empty if the exit code is 0.")
+    counters: dict[str, int] = Field(description="Steps, Newton iterations and more; empty if none was made.")
+    seconds: dict[str, float] = Field(description="Wall time by phase.")
+    expectations: list[Expectation] = Field(description="Empty if the run did not come to its end.")
+    probes: dict[str, Number] = Field(description="Each of output.probes in the last frame.")
+    energy_error: Number | None = Field(description="Of the last frame in J; null if none was written.")
+    overrides: list[str] = Field(description="The --set arguments.")
+    versions: dict[str, str] = Field(description="Of Python and the libraries.")
+    pictures: list[str] = Field(description="Files drawn.")
+
+
+class Extent(_Strict):
+    """Size of a body at rest [m], and its mass [kg]."""
+
+    name: str
+    edges: int
+    triangles: int
+    size: tuple[float, float, float] | list[float]
+    mass: float
+
+
+class Decision(_Strict):
+    """One line of the plan."""
+
+    what: str
+    why: str
+
+
+class Cost(_Strict):
+    """Size and rough price of a run: s of wall time, bytes of memory and disk."""
+
+    dofs: int
+    free: int
+    entries: int
+    solver: str
+    steps: int
+    frames: int
+    seconds: float
+    memory: float
+    disk: float
+
+
+class Checked(_Strict):
+    """A scenario of ``check`` that could run."""
+
+    scenario: str
+    ok: Literal[True]
+    bodies: list[Extent]
+    notes: list[str]
+    plan: list[Decision]
+    warnings: list[str]
+    cost: Cost
+
+
+class Refused(_Strict):
+    """A scenario of ``check`` that could not."""
+
+    scenario: str
+    ok: Literal[False]
+    error: str = Field(description="All faults as one text.")
+    errors: list[Fault]
+
+
+class Failure(_Strict):
+    """What ended before a run began or a check was through."""
+
+    status: Literal["failed", "interrupted"]
+    exit_code: int
+    errors: list[Fault]
+
+
+RUN: TypeAdapter[Run | Failure] = TypeAdapter(Run | Failure)
+CHECK: TypeAdapter[list[Checked | Refused] | Failure] = TypeAdapter(list[Checked | Refused] | Failure)
+
+
+def result_schema() -> dict[str, Any]:
+    """JSON Schema by command."""
+    run, check = RUN.json_schema(), CHECK.json_schema()
+    return {"run": run, "resume": run, "check": check}
