@@ -8,7 +8,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from ...arrays import FloatArray, IntArray
+from ...arrays import IntArray
 from ...energies.bend_planar import CORNER_PLANAR
 from ...energies.rigid_joint import COSINES, RIGID_JOINT, STIFFNESS
 from ...kinematics.rod_frames import RodFrames
@@ -16,10 +16,10 @@ from ...kinematics.strains import joint_frames, planar_angles
 from ...model.stencil import StencilEnergy
 from ...run.observables.corners import CornerStrains, FramedCorners, PlanarCorners
 from ..scene import Scene
-from ..structure.joints import Joints
 from ..structure.plan import Bending
 from ..structure.structure import Structure
-from .joints import natural_density, node_dofs
+from .halves import Halves, halves_in_plane, halves_in_space
+from .joints import node_dofs
 
 _NAME = "corners"
 
@@ -29,16 +29,13 @@ class Corners:
     """The energy of all corners, and what natural strains of their rods do to it.
 
     Attributes:
-        joints: Where they are.
         energy: Stress-free at rest but for the natural strains, which add to the angle.
-        responses: For each natural strain of a rod by its name, the kernel's per unit density on either
-            edge [m], shape (2, naturals, J).
+        halves: Where they are, and what natural strains do.
         strains: What fields report.
     """
 
-    joints: Joints
     energy: StencilEnergy
-    responses: Mapping[str, FloatArray]
+    halves: Halves
     strains: CornerStrains
 
 
@@ -68,13 +65,13 @@ def _framed(scene: Scene, structure: Structure, inside: IntArray) -> Corners | N
     of_f = np.einsum("Jik,Jk,Jjk->Jij", cosines, compliance[:, 1], cosines)
     stiffness = np.linalg.inv(of_e + of_f)
     rows, columns = np.triu_indices(3)
-    responses = {name: _response(axis, corners, cosines) for name, axis in _axes(corners).items()}
+    halves = halves_in_space(corners, np.arange(len(cosines)), cosines)
     energy = StencilEnergy.of(
         _NAME,
         RIGID_JOINT,
         np.concatenate((node_dofs(dofs, corners.triples), dofs.of_angles(corners.pairs)), axis=1),
         {
-            **dict(zip(RIGID_JOINT.naturals, _natural(scene, corners, responses), strict=True)),
+            **dict(zip(RIGID_JOINT.naturals, halves.natural(scene), strict=True)),
             **dict(zip(STIFFNESS, stiffness[:, rows, columns].T, strict=True)),
             **dict(zip(COSINES, cosines.reshape(-1, 9).T, strict=True)),
             "sign_e": corners.signs[:, 0],
@@ -91,25 +88,7 @@ def _framed(scene: Scene, structure: Structure, inside: IntArray) -> Corners | N
         np.ascontiguousarray(stiffness.transpose(1, 2, 0)),
         _NAME,
     )
-    return Corners(corners, energy, responses, strains)
-
-
-def _axes(corners: Joints) -> Mapping[str, FloatArray]:
-    """Turn by each natural strain about the axes of either edge as walked, shape (J, 2, 3).
-
-    Walked backwards, a rod twists alike and bends alike about its second director, which turns round
-    with it, while its first one stays and sees the other side.
-    """
-    out = {name: np.zeros((*corners.pairs.shape, 3)) for name in ("twist", "curvature_1", "curvature_2")}
-    out["twist"][..., 0] = out["curvature_1"][..., 2] = 1.0
-    out["curvature_2"][..., 1] = -corners.signs
-    return out
-
-
-def _response(axis: FloatArray, corners: Joints, cosines: FloatArray) -> FloatArray:
-    """What a unit density on the halves of either edge turns, in the frame of e, shape (2, 3, J)."""
-    along = axis * corners.halves[..., None]
-    return np.stack((along[:, 0].T, np.einsum("Jij,Jj->iJ", cosines, along[:, 1])))
+    return Corners(energy, halves, strains)
 
 
 def _planar(scene: Scene, structure: Structure, inside: IntArray) -> Corners | None:
@@ -122,16 +101,13 @@ def _planar(scene: Scene, structure: Structure, inside: IntArray) -> Corners | N
     )
     stiffness = corners.voronoi / (corners.halves / stiff[corners.rods]).sum(axis=1)
     angle = planar_angles(dofs.positions(structure.rest), corners.triples)
-    responses = {}
-    for component, name in enumerate(("curvature_1", "curvature_2")):
-        sign = np.where(inside[:, 0] == component, inside[:, 1], 0)[corners.rods]
-        responses[name] = (sign * corners.signs * corners.halves).T[:, None]
+    halves = halves_in_plane(corners, np.arange(len(angle)), inside)
     energy = StencilEnergy.of(
         _NAME,
         CORNER_PLANAR,
         node_dofs(dofs, corners.triples),
         {
-            "kappa": _natural(scene, corners, responses)[0],
+            "kappa": halves.natural(scene)[0],
             "EI": stiffness,
             "voronoi": corners.voronoi,
             "cos_phi0": np.cos(angle),
@@ -139,21 +115,7 @@ def _planar(scene: Scene, structure: Structure, inside: IntArray) -> Corners | N
         },
     )
     strains = PlanarCorners(corners.triples, corners.voronoi, angle, stiffness, _NAME)
-    return Corners(corners, energy, responses, strains)
-
-
-def _natural(scene: Scene, corners: Joints, responses: Mapping[str, FloatArray]) -> FloatArray:
-    """Natural strain from what the user gives the rods on both sides, shape (naturals, J)."""
-    out: FloatArray = np.zeros(next(iter(responses.values())).shape[1:])
-    for index in range(len(scene.geometry.rods)):
-        for name, response in responses.items():
-            density = natural_density(scene, corners, index, name)
-            if density is None:
-                continue
-            for side in range(2):
-                mine = corners.rods[:, side] == index
-                out[:, mine] += response[side][:, mine] * density[corners.numbers[mine, side]]
-    return out
+    return Corners(energy, halves, strains)
 
 
 CORNERS: Mapping[Bending, Maker] = {

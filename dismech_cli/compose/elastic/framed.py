@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
@@ -10,14 +12,16 @@ from ...kinematics.rod_frames import RodFrames
 from ...kinematics.strains import material_curvatures
 from ...model.stencil import StencilEnergy
 from ..scene import Scene
+from ..structure.joints import Joints
 from ..structure.structure import Structure
+from .halves import Halves, halves_in_space
 from .joints import in_series, natural_density, node_dofs
 
 
 def framed_bending(
     scene: Scene, structure: Structure, stiffness: FloatArray
-) -> tuple[StencilEnergy, IntArray]:
-    """Bending and twisting energy of the joints, and the places of their directors, shape (J, 12).
+) -> tuple[StencilEnergy, Halves, IntArray]:
+    """Bending and twisting energy of the joints, those between rods, and the places of directors (J, 12).
 
     Args:
         scene: The scene.
@@ -43,6 +47,10 @@ def framed_bending(
             density = natural_density(scene, j, index, name)
             if density is not None:
                 row[members] = density[j.number[members]] * j.voronoi[members]
+    welds = _between(j, rest_twist)
+    grown = welds.natural(scene)
+    for row, more in zip((curvature[0], curvature[1], torsion), grown, strict=True):
+        row[welds.stencils] += more
     stencil = np.concatenate((node_dofs(dofs, j.triples), dofs.of_angles(j.pairs)), axis=1)
     torsional = in_series(scene.geometry, skeleton, "torsional")
     energy = StencilEnergy.of(
@@ -65,4 +73,23 @@ def framed_bending(
         },
         np.column_stack((places, frames.twist_places(np.arange(len(j.pairs))))),
     )
-    return energy, places
+    return energy, welds, places
+
+
+def _between(joints: Joints, rest_twist: FloatArray) -> Halves:
+    """The joints between rods, their natural strains in the order of the kernel.
+
+    Those of the second rod are turned by the rest twist, which is the angle of its directors.
+    """
+    stencils = np.flatnonzero(joints.rod < 0)
+    cosines = np.zeros((len(stencils), 3, 3))
+    cosines[:, 0, 0] = 1.0
+    cosines[:, 1, 1] = cosines[:, 2, 2] = np.cos(rest_twist[stencils])
+    cosines[:, 2, 1] = np.sin(rest_twist[stencils])
+    cosines[:, 1, 2] = -cosines[:, 2, 1]
+    turning = halves_in_space(joints.some(joints.rod < 0), stencils, cosines)
+    # a curvature 1 turns about the second director, a curvature 2 back about the first
+    responses = {
+        name: np.stack((w[:, 2], -w[:, 1], w[:, 0]), axis=1) for name, w in turning.responses.items()
+    }
+    return replace(turning, responses=responses)

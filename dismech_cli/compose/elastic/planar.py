@@ -11,6 +11,7 @@ from ...model.stencil import StencilEnergy
 from ..scene import Scene
 from ..structure.frames import given_directors, rest_directors
 from ..structure.structure import Structure
+from .halves import Halves, halves_in_plane
 from .joints import natural_density, node_dofs
 
 PLANAR_AXIS: dict[tuple[int, ...], tuple[float, float, float]] = {
@@ -54,8 +55,8 @@ def in_plane(scene: Scene, structure: Structure) -> IntArray:
 
 def planar_bending(
     scene: Scene, structure: Structure, stiffness: FloatArray, inside: IntArray
-) -> StencilEnergy:
-    """Bending energy of the joints.
+) -> tuple[StencilEnergy, Halves]:
+    """Bending energy of the joints, and those between rods.
 
     Args:
         scene: The scene.
@@ -81,9 +82,12 @@ def planar_bending(
                 ("geometry", geometry.rod_keys[index], "natural", hidden),
                 "bends out of the plane of the scene",
             )
-    return StencilEnergy.of(
+    welds = halves_in_plane(joints.some(joints.rod < 0), np.flatnonzero(joints.rod < 0), inside)
+    natural[welds.stencils] += welds.natural(scene)[0]
+    energy = StencilEnergy.of(
         "bending",
         BEND_PLANAR,
         node_dofs(dofs, joints.triples),
         {"kappa": natural, "EI": stiffness[which, np.arange(len(which))], "voronoi": joints.voronoi},
     )
+    return energy, welds

@@ -19,7 +19,7 @@ from ...scenario.language.actuation import (
 from ..scene import Scene
 from ..structure.plan import Bending
 from ..structure.structure import Structure
-from .corners import Corners
+from .halves import Halves
 from .rods import RodEnergies
 
 # Rows of natural strains: of an edge, of a framed joint.
@@ -38,6 +38,7 @@ def driven_rods(
     of_edges: list[Drive] = []
     of_joints: list[Drive] = []
     of_corners: list[Drive] = []
+    kinks = None if rods.corners is None else rods.corners.halves
     for index, actuation in enumerate(scene.scenario.actuation):
         if isinstance(actuation, ShellActuation):
             continue
@@ -64,8 +65,9 @@ def driven_rods(
         drives = of_edges if actuation.type == "stretch" else of_joints
         places = _places(number[chosen], count)
         drives.append(Drive(row, stencils[chosen], law, places, factors[chosen]))
-        if rods.corners is not None and actuation.type != "stretch":
-            of_corners += _corner_drives(rods.corners, rod, actuation, law)
+        if actuation.type != "stretch":
+            of_joints += _half_drives(rods.welds, rod, actuation, law)
+            of_corners += _half_drives(kinks, rod, actuation, law)
     corners = None if rods.corners is None else rods.corners.energy
     return tuple(
         DrivenEnergy(energy, tuple(drives)) if drives else energy
@@ -74,11 +76,13 @@ def driven_rods(
     )
 
 
-def _corner_drives(
-    corners: Corners, rod: int, actuation: CurvatureActuation | TwistActuation, law: Signal
+def _half_drives(
+    halves: Halves | None, rod: int, actuation: CurvatureActuation | TwistActuation, law: Signal
 ) -> Iterator[Drive]:
-    """Drives of the halves of a rod's edges at its corners."""
-    joints, response = corners.joints, corners.responses[actuation.type]
+    """Drives of the halves of a rod's edges where it meets others or itself at an angle."""
+    if halves is None:
+        return
+    joints, response = halves.joints, halves.responses[actuation.type]
     for side in range(2):
         mine = np.flatnonzero(joints.rods[:, side] == rod)
         number = joints.numbers[mine, side]
@@ -86,7 +90,7 @@ def _corner_drives(
         mine, places = mine[chosen], _places(number[chosen], int(joints.counts[rod]))
         for row, factors in enumerate(response[side][:, mine]):
             if factors.any():
-                yield Drive(row, mine, law, places, factors)
+                yield Drive(row, halves.stencils[mine], law, places, factors)
 
 
 def _chosen(actuation: StretchActuation | CurvatureActuation | TwistActuation, number: IntArray) -> IntArray:

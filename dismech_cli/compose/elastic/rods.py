@@ -23,6 +23,7 @@ from ..structure.plan import Bending
 from ..structure.structure import Structure
 from .corners import CORNERS, Corners
 from .framed import framed_bending
+from .halves import Halves
 from .joints import in_series, node_dofs
 from .planar import in_plane, planar_bending
 
@@ -54,6 +55,7 @@ class RodEnergies:
         in_plane: Planar scenes: which natural curvature (0 or 1) lies in the plane, and its sign,
             per rod, shape (rods, 2).
         directors: Framed scenes: places of the directors of each joint, shape (J, 12).
+        welds: Joints of ``bending`` that are between rods, where these can be driven.
     """
 
     stretch: StencilEnergy | None = None
@@ -63,6 +65,7 @@ class RodEnergies:
     bending_stiffness: FloatArray = field(default_factory=_no_stiffness)
     in_plane: IntArray = field(default_factory=_no_rods)
     directors: IntArray = field(default_factory=_no_places)
+    welds: Halves | None = None
 
 
 def rod_energies(scene: Scene, structure: Structure) -> RodEnergies:
@@ -89,11 +92,11 @@ def rod_energies(scene: Scene, structure: Structure) -> RodEnergies:
             bending_stiffness=stiffness,
             in_plane=inside,
         )
-    places = _no_places()
+    places, welds = _no_places(), None
     if bending is Bending.FRAMED:
-        energy, places = framed_bending(scene, structure, stiffness)
+        energy, welds, places = framed_bending(scene, structure, stiffness)
     elif bending is Bending.PLANAR:
-        energy = planar_bending(scene, structure, stiffness, inside)
+        energy, welds = planar_bending(scene, structure, stiffness, inside)
     else:
         energy = _isotropic(structure, stiffness)
     return RodEnergies(
@@ -104,6 +107,7 @@ def rod_energies(scene: Scene, structure: Structure) -> RodEnergies:
         bending_stiffness=stiffness,
         in_plane=inside,
         directors=places,
+        welds=welds,
     )
 
 
