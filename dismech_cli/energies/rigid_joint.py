@@ -10,9 +10,11 @@ walked backwards (sign -1) m1 stays, m2 and theta change sign.
 As in all energies of rods the second derivatives are those along paths on which the frames are
 parallel-transported, which are exact where frames are stored (Bergou et al. 2010).
 
+The energy of twist is that of the moment along either edge on its half, the rest is that of bending.
+
 Parameters per stencil: the natural w_0 (3) [1]; the upper triangle of S by rows (6) [N m]; the cosines
-R_ij between axis i of e and axis j of f at rest (9) [1]; the signs (2). Auxiliary inputs: m1, m2 of edge
-e, then of f.
+R_ij between axis i of e and axis j of f at rest (9) [1]; the signs (2); the compliance of either half in
+twist (2) [1/(N m)]. Auxiliary inputs: m1, m2 of edge e, then of f.
 """
 
 from __future__ import annotations
@@ -54,7 +56,7 @@ def spin_slopes(a: Vector, d0: Vector, f0: Vector, il: Any, ir: Any, se: Any, sf
 
 @kernel
 def rigid_joint(y: Any, a: Any, p: Any) -> Any:
-    """Energy, gradient and packed Hessian with respect to (e, f, theta_e, theta_f)."""
+    """Both energies, gradient and packed Hessian with respect to (e, f, theta_e, theta_f)."""
     se, sf = p[18], p[19]
     il, ir = 1.0 / norm(y[0:3]), 1.0 / norm(y[3:6])
     d0, d1, d2 = scale(il, y[0:3]), a[0:3], scale(se, a[3:6])
@@ -115,8 +117,10 @@ def rigid_joint(y: Any, a: Any, p: Any) -> Any:
             xtf * ptf + ytf * qtf + ztf * rtf + 2.0 * wtf * mtf,
         ),
     )
-    energy = 0.5 * (b0 * u0 + b1 * u1 + b2 * u2)
-    return energy, (me[0], me[1], me[2], mf[0], mf[1], mf[2], mte, mtf), hessian
+    along_f = p[9] * b0 + p[12] * b1 + p[15] * b2
+    twist = 0.5 * (p[20] * b0 * b0 + p[21] * along_f * along_f)
+    bending = 0.5 * (b0 * u0 + b1 * u1 + b2 * u2) - twist
+    return (bending, twist), (me[0], me[1], me[2], mf[0], mf[1], mf[2], mte, mtf), hessian
 
 
 RIGID_JOINT = Kernel(
@@ -127,7 +131,7 @@ RIGID_JOINT = Kernel(
     angles=2,
     auxiliaries=12,
     naturals=("w_0", "w_1", "w_2"),
-    constants=(*STIFFNESS, *COSINES, "sign_e", "sign_f"),
+    constants=(*STIFFNESS, *COSINES, "sign_e", "sign_f", "twist_e", "twist_f"),
     scales=(("S_00", "S_01", "S_02"), ("S_01", "S_11", "S_12"), ("S_02", "S_12", "S_22")),
-    shares=("bending",),
+    shares=("bending", "twist"),
 )

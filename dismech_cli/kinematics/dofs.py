@@ -16,10 +16,10 @@ class DofMap:
     """Maps nodes and edges to DOFs, and back to words.
 
     Attributes:
-        n_nodes: Nodes with position DOFs, the walls behind clamps included.
+        n_nodes: Nodes with position DOFs, the walls behind clamps and the frames of joints included.
         n_angles: Edges that carry an angle theta; 0 unless rods are framed.
         axes: Space axes that the model carries: (0, 1, 2), or the two of the plane.
-        visible: Nodes that the user knows of; the walls behind clamps come after them.
+        visible: Nodes that the user knows of; those of walls and of joints come after them.
         hidden: Coordinate of all nodes normal to the plane of a planar scene [m].
         n_normals: Shell edges whose normal is free: each carries an angle xi.
     """
@@ -91,5 +91,5 @@ class DofMap:
         if dof >= self.n_positions:
             return f"twist angle of edge {dof - self.n_positions}"
         node, component = divmod(dof, self.dimension)
-        where = f"node {node}" if node < self.visible else "the wall of a clamp"
+        where = f"node {node}" if node < self.visible else "the wall of a clamp or the frame of a joint"
         return f"{'xyz'[self.axes[component]]} of {where}"

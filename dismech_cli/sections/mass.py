@@ -28,7 +28,7 @@ def rod_mass(
     mass = np.zeros(dofs.n)
     nodal = nodal_lengths(dofs.n_nodes, edges, lengths * per_length)
     mass[: dofs.n_positions] = np.repeat(nodal, dofs.dimension)
-    # The walls behind clamps, whose angles come last, are held and weigh nothing.
+    # Walls behind clamps and frames of joints, whose angles come last, weigh nothing.
     turning = min(dofs.n_angles, len(edges))
     mass[dofs.n_positions : dofs.n_positions + turning] = (lengths * polar)[:turning]
     return mass

@@ -319,6 +319,8 @@ def rigid_joints(model: Model, stiffness: FloatArray = FULL_STIFFNESS) -> Stenci
         **dict(zip(COSINES, cosines, strict=True)),
         "sign_e": signs[0],
         "sign_f": signs[1],
+        "twist_e": 0.2,
+        "twist_f": 0.1,
     }
     return StencilEnergy.of("joint", RIGID_JOINT, plain.dofs, parameters, places)
 

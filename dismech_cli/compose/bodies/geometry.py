@@ -17,6 +17,7 @@ from ...sections.rods import RodProperties
 from .mesh import BodyMesh, left_out
 from .rod import properties_of, rod_mesh, with_ends
 from .shell import ShellProperties, shell_mesh, shell_properties
+from .turning import Turning, whole
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,12 +55,7 @@ class Geometry:
         edge_groups: ``rod``, ``rod.start``, ``rod.end``, ``rod.GROUP`` to edge indices.
         body_nodes: Nodes of each body, in its own order.
         rod_edges: Edges of each rod, in its own order.
-        hinges: Nodes where no bending or twist passes between any edges.
-        rod_hinges: Nodes where none passes between edges of different rods.
-        parted: Node and rod where none passes between the rod's own edges, shape (P, 2): both turn with a
-            shell there.
-        released: Nodes where ``bending`` or ``twist`` alone does not pass between different rods.
-        loosened: Nodes where one of them alone does not pass between any edges.
+        turning: Which of its edges turn as one where they meet.
         shell_welds: Edges of rods that turn with a shell.
         files: File of each body's mesh, or None, and its nodes' numbers there.
         notes: What the mesh readers said.
@@ -80,11 +76,7 @@ class Geometry:
     edge_groups: Mapping[str, IntArray]
     body_nodes: Mapping[str, IntArray]
     rod_edges: Mapping[str, IntArray]
-    hinges: IntArray
-    rod_hinges: IntArray
-    parted: IntArray
-    released: Mapping[str, IntArray]
-    loosened: Mapping[str, IntArray]
+    turning: Turning
     shell_welds: tuple[ShellWeld, ...]
     files: Mapping[str, tuple[Path, IntArray]]
     notes: tuple[str, ...]
@@ -160,10 +152,10 @@ def assemble_geometry(loaded: LoadedScenario) -> Geometry:
             node_groups.setdefault(f"{body.name}.{name}", np.unique(mesh.edges[group]) + n)
         n, e = n + len(mesh.nodes), e + len(mesh.edges)
     notes += left_out(bodies)
-    empty = np.empty(0, dtype=np.int64)
+    empty, all_edges = np.empty(0, dtype=np.int64), np.concatenate(edges)
     return Geometry(
         nodes=np.concatenate(nodes),
-        edges=np.concatenate(edges),
+        edges=all_edges,
         edge_rod=np.concatenate((empty, *edge_rod)),
         rods=tuple(rods.values()),
         rod_keys=tuple(rods),
@@ -177,11 +169,7 @@ def assemble_geometry(loaded: LoadedScenario) -> Geometry:
         edge_groups=edge_groups,
         body_nodes=body_nodes,
         rod_edges=rod_edges,
-        hinges=empty,
-        rod_hinges=empty,
-        parted=np.empty((0, 2), dtype=np.int64),
-        released={},
-        loosened={},
+        turning=whole(all_edges),
         shell_welds=(),
         files=files,
         notes=tuple(notes),

@@ -17,6 +17,7 @@ from ...scenario.text.tree import KeyPath
 from ...scenario.values.selection import Selects
 from .geometry import Geometry, ShellWeld
 from .selection import select_all
+from .turning import RELEASED, Said, make_turning, turning_nodes
 
 # Nodes of a joint must coincide to this fraction of the shortest edge.
 _COINCIDENT = 1e-6
@@ -51,43 +52,52 @@ def weld_joints(loaded: LoadedScenario, geometry: Geometry) -> Geometry:
             one is on a shell but the other is on no rod.
     """
     target = np.arange(len(geometry.nodes))
-    hinges: list[int] = []
-    rod_hinges: list[int] = []
-    released: dict[str, list[int]] = {"bending": [], "twist": []}
-    loosened: dict[str, list[int]] = {"bending": [], "twist": []}
+    linked: dict[str, list[tuple[int, int]]] = {what: [] for what in RELEASED}
+    loosened: dict[str, list[int]] = {what: [] for what in RELEASED}
+    loose: list[tuple[int, int]] = []
+    rigid: list[tuple[int, int, int]] = []
+    hinged: list[tuple[int, int, int]] = []
     welds: list[ShellWeld] = []
-    welded: list[tuple[int, int]] = []
-    shared = _shared_by_file(geometry)
-    for a, b in shared:
+    ends: list[tuple[int, int]] = []
+    welded: list[int] = []
+    for a, b in _shared_by_file(geometry):
         target[target == target[b]] = target[a]
-        rod_hinges.append(a)
     selected = select_all(loaded, geometry, Selects.JOINED)[Selects.JOINED]
     apart = _Apart(loaded, geometry, selected, _COINCIDENT * _shortest(geometry))
     for index, joint in enumerate(loaded.scenario.joints):
         path = ("joints", index)
         if isinstance(joint, HingeJoint) and joint.where is not None:
             node = apart.node(*path, "where")
-            (hinges if joint.release is None else loosened[joint.release]).append(node)
+            loose.append((index, node))
+            if joint.release is not None:
+                loosened[joint.release].append(node)
             continue
         a, b = _pair(apart, index)
         target[target == target[b]] = target[a]
         if isinstance(joint, HingeJoint):
-            rod_hinges.append(a)
+            hinged.append((index, a, b))
             continue
         on_shell = np.isin((a, b), geometry.triangles)
         if on_shell.any():
-            welds += _shell_welds(apart, index, (b, a) if on_shell[0] else (a, b))
+            rod, shell = (b, a) if on_shell[0] else (a, b)
+            found = _shell_welds(apart, index, (rod, shell))
+            ends += [(weld.edge, int(geometry.edges[weld.edge, 1] == rod)) for weld in found]
+            welds += found
+            welded.append(rod)
             continue
         if joint.footprint is not None:
             raise loaded.error((*path, "footprint"), "neither node is on a shell")
-        welded.append((index, a))
+        rigid.append((index, a, b))
         if joint.release is not None:
-            released[joint.release].append(a)
-    through_shells = [target[weld.node] for weld in welds]
-    for index, a in welded:
-        if target[a] in through_shells:
-            raise loaded.error(("joints", index), "a shell joins these rods: weld each of them to it instead")
-    rod_hinges += [weld.node for weld in welds]
+            linked[joint.release].append((a, b))
+    said = Said(
+        rigid=[(a, b) for index, a, b in rigid if not _releases(loaded, index)],
+        linked=linked,
+        loose=[node for index, node in loose if not _releases(loaded, index)],
+        loosened=loosened,
+        welds=ends,
+    )
+    _refuse_contradictions(loaded, geometry, said, _Joined(rigid, hinged, loose, welded))
     kept, index_of = np.unique(target, return_inverse=True)
 
     def moved(groups: Mapping[str, IntArray]) -> dict[str, IntArray]:
@@ -107,15 +117,62 @@ def weld_joints(loaded: LoadedScenario, geometry: Geometry) -> Geometry:
         triangles=triangles,
         node_groups=moved(geometry.node_groups),
         body_nodes=moved(geometry.body_nodes),
-        hinges=index_of[np.array(hinges, dtype=np.int64)],
-        rod_hinges=index_of[np.array(rod_hinges, dtype=np.int64)],
-        parted=np.array(
-            [(index_of[w.node], geometry.edge_rod[w.edge]) for w in welds], dtype=np.int64
-        ).reshape(-1, 2),
-        released=moved({what: np.array(nodes, dtype=np.int64) for what, nodes in released.items()}),
-        loosened=moved({what: np.array(nodes, dtype=np.int64) for what, nodes in loosened.items()}),
+        turning=make_turning(len(geometry.nodes), geometry.edges, said),
         shell_welds=tuple(replace(weld, node=int(index_of[weld.node])) for weld in welds),
     )
+
+
+@dataclass(frozen=True, slots=True)
+class _Joined:
+    """Nodes of the bodies by the number of the joint that names them.
+
+    Attributes:
+        rigid: Pairs of rods.
+        hinged: Pairs.
+        loose: Nodes within rods.
+        welded: Nodes of rods on a shell.
+    """
+
+    rigid: list[tuple[int, int, int]]
+    hinged: list[tuple[int, int, int]]
+    loose: list[tuple[int, int]]
+    welded: list[int]
+
+
+def _releases(loaded: LoadedScenario, index: int) -> bool:
+    """Whether a joint lets one of bending and twist pass."""
+    return loaded.scenario.joints[index].release is not None
+
+
+def _refuse_contradictions(loaded: LoadedScenario, geometry: Geometry, said: Said, joined: _Joined) -> None:
+    """Joints that would do nothing of what they say, because others at their node say the opposite.
+
+    Raises:
+        ScenarioError: There are some.
+    """
+    of_node = turning_nodes(len(geometry.nodes), said)
+    edges_of = np.bincount(of_node[geometry.edges].reshape(-1), minlength=len(of_node))
+    loose = {int(of_node[node]): index for index, node in joined.loose if not _releases(loaded, index)}
+    rigid = {int(of_node[node]): index for index, *pair in joined.rigid for node in pair}
+    for index, node in joined.loose:
+        if edges_of[of_node[node]] < 2:
+            raise loaded.error(("joints", index), "releases nothing: only one edge of a rod ends here")
+    welded = of_node[np.array(joined.welded, dtype=np.int64)]
+    for index, a, b in joined.rigid:
+        if np.isin(of_node[[a, b]], welded).any():
+            raise loaded.error(("joints", index), "a shell joins these rods: weld each of them to it instead")
+        for node in (a, b):
+            if int(of_node[node]) in loose:
+                raise loaded.error(
+                    ("joints", index),
+                    f"passes nothing but force: joints[{loose[int(of_node[node])]}] releases this node",
+                )
+    for index, a, b in joined.hinged:
+        if of_node[a] == of_node[b]:
+            raise loaded.error(
+                ("joints", index),
+                f"releases nothing: joints[{rigid[int(of_node[a])]}] welds these nodes",
+            )
 
 
 def _pair(apart: _Apart, index: int) -> tuple[int, int]:

@@ -1,4 +1,7 @@
-"""Joints of two rod edges at an angle: half an edge of either rod in series, each with its own axes."""
+"""Joints of two rod edges at an angle: half an edge of either rod in series, each with its own axes.
+
+At hubs the second edge is the stub, which bends nothing.
+"""
 
 from __future__ import annotations
 
@@ -76,6 +79,8 @@ def _framed(scene: Scene, structure: Structure, inside: IntArray) -> Corners | N
             **dict(zip(COSINES, cosines.reshape(-1, 9).T, strict=True)),
             "sign_e": corners.signs[:, 0],
             "sign_f": corners.signs[:, 1],
+            "twist_e": compliance[:, 0, 0],
+            "twist_f": compliance[:, 1, 0],
         },
         places,
     )

@@ -12,6 +12,7 @@ from .rod_drives import driven_rods
 from .rods import RodEnergies, rod_energies
 from .shell_drives import driven_shells
 from .shells import shell_energies
+from .stubs import stub_springs
 from .welds import weld_energies
 
 
@@ -37,6 +38,7 @@ def make_elastic(scene: Scene, structure: Structure) -> Elastic:
     rods, shells = rod_energies(scene, structure), shell_energies(structure)
     terms = (
         *driven_rods(scene, structure, rods),
+        *stub_springs(scene, structure),
         *weld_energies(scene, structure),
         *driven_shells(scene, structure, shells),
     )

@@ -7,6 +7,7 @@ import numpy as np
 from ...arrays import FloatArray, IntArray
 from ...kinematics.dofs import DofMap
 from ..bodies.geometry import Geometry
+from ..bodies.turning import RELEASED
 from ..scene import Scene
 from ..structure.joints import Joints
 from ..structure.skeleton import Skeleton
@@ -26,9 +27,7 @@ def in_series(geometry: Geometry, skeleton: Skeleton, name: str) -> FloatArray:
     same = k[:, 0] == k[:, 1]
     half = 0.5 * skeleton.rest_lengths[j.pairs]
     series = half.sum(axis=1) / (half / k).sum(axis=1)
-    what = "twist" if name == "torsional" else "bending"
-    loose = (j.rod < 0) & np.isin(j.triples[:, 1], geometry.released[what])
-    loose |= np.isin(j.triples[:, 1], geometry.loosened[what])
+    loose = j.loose[:, RELEASED.index("twist" if name == "torsional" else "bending")]
     return np.where(loose, 0.0, np.where(same, k[:, 0], series))
 
 

@@ -10,7 +10,6 @@ import numpy as np
 
 from ...arrays import BoolArray, FloatArray
 from ...kinematics.strains import joint_angles
-from ..bodies.geometry import Geometry
 from .joints import Joints
 
 # Two rods that meet straighter than this go on as one [rad]; mesh files carry 1e-10.
@@ -21,11 +20,10 @@ _KINK = np.radians(20.0)
 _STANDS_OUT = 2.0
 
 
-def sharp_joints(geometry: Geometry, positions: FloatArray, joints: Joints) -> BoolArray:
+def sharp_joints(positions: FloatArray, joints: Joints) -> BoolArray:
     """Mask of the corners, shape (J,): joints of two edges alone, none of it released.
 
     Args:
-        geometry: The rods.
         positions: Rest positions, walls included [m], shape (N + W, 3).
         joints: All joints.
     """
@@ -41,15 +39,5 @@ def sharp_joints(geometry: Geometry, positions: FloatArray, joints: Joints) -> B
     beside = np.where(ends[at] == there, largest[at], 0.0).max(axis=1) if len(ends) else angle
     between = joints.rod < 0
     kinked = ~between & (angle > _KINK) & (angle > _STANDS_OUT * beside)
-    sharp: BoolArray = alone & ((between & (angle > _STRAIGHT)) | kinked) & ~_released(geometry, joints)
+    sharp: BoolArray = alone & ((between & (angle > _STRAIGHT)) | kinked) & ~joints.loose.any(axis=1)
     return sharp
-
-
-def _released(geometry: Geometry, joints: Joints) -> BoolArray:
-    """Mask of the joints that pass bending without twist or twist without bending, shape (J,)."""
-    loose = np.zeros(len(joints.triples), dtype=np.bool_)
-    for nodes in geometry.released.values():
-        loose |= np.isin(joints.triples[:, 1], nodes) & (joints.rod < 0)
-    for nodes in geometry.loosened.values():
-        loose |= np.isin(joints.triples[:, 1], nodes)
-    return loose

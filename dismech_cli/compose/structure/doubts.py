@@ -179,7 +179,8 @@ def _held_turning(geometry: Geometry, hold: Hold, held: IntArray) -> Iterator[Fl
     """Rows of the rotations that a hold of the held nodes prevents by itself."""
     still = np.zeros((3, 3))
     at_walls = np.isin(geometry.edges, np.intersect1d(hold.walls, held)).any(axis=1)
-    if at_walls.any() or np.isin(geometry.edges[hold.edges], held).all(axis=1).any():
+    at_hubs = np.isin(geometry.turning.ends, hold.hubs) & np.isin(geometry.edges, held)
+    if at_walls.any() or at_hubs.any() or np.isin(geometry.edges[hold.edges], held).all(axis=1).any():
         yield np.hstack((still, np.eye(3)))
     for k, shell in enumerate(geometry.shells):
         if not bending_of(shell).has_normals:

@@ -15,6 +15,7 @@ from ..bodies.geometry import Geometry
 from ..laws import vanishes
 from ..scene import Scene
 from ..shells.bending import bending_of
+from .hubs import hubs_of
 from .paths import ZERO, Path, path_of
 
 AXES = "xyz"
@@ -38,6 +39,7 @@ class Hold:
         edges: Edges whose angle is held.
         twist: Law of the angle.
         walls: Nodes of ``nodes`` where a wall edge continues the rod: clamps at a single node.
+        hubs: Numbers of the ends of edges that turn as one with what is held: their stub is held too.
         rigid: Edges that are rigid because both their nodes are clamped at the node: only the
             free half of a joint next to them bends.
         sloped: Nodes between which the normals of shell edges are held too: those of a clamp or of a
@@ -52,6 +54,7 @@ class Hold:
     edges: IntArray = field(default_factory=_none)
     twist: Law = ZERO
     walls: IntArray = field(default_factory=_none)
+    hubs: IntArray = field(default_factory=_none)
     rigid: IntArray = field(default_factory=_none)
     sloped: IntArray = field(default_factory=_none)
     release: float = inf
@@ -153,14 +156,23 @@ def _at_nodes(hold: Hold, scene: Scene, index: int) -> Hold:
     # at a shell a rod is hinged: its direction stays free
     lonely = np.setdiff1d(lonely, geometry.on_shell)
     degree = np.bincount(geometry.edges.reshape(-1), minlength=len(geometry.nodes))
-    crowded = lonely[degree[lonely] != 1]
+    hubs, ends = hubs_of(geometry), geometry.turning.ends
+    at_hub = degree[lonely] > 2
+    at_hub[at_hub] = [len(np.unique(ends[geometry.edges == node])) == 1 for node in lonely[at_hub]]
+    crowded = lonely[(degree[lonely] != 1) & ~at_hub]
     if crowded.size:
         raise scene.error(
             ("motions", index, "where"),
             f"node {crowded[0]} is no rod end: a clamp at a node inside a rod needs its "
             "neighbour selected too, or 'at: edge'",
         )
-    return replace(hold, edges=inside, walls=lonely, rigid=inside, sloped=hold.nodes)
+    turned = np.concatenate((ends[inside].reshape(-1), ends[np.isin(geometry.edges, lonely[at_hub])]))
+    turned = np.intersect1d(turned, hubs)
+    if turned.size and not vanishes(hold.twist):
+        raise scene.error(
+            ("motions", index, "twist"), "turns a joint of three edges and more, which has no one axis"
+        )
+    return replace(hold, edges=inside, walls=lonely[~at_hub], hubs=turned, rigid=inside, sloped=hold.nodes)
 
 
 def _inside(hold: Hold, geometry: Geometry) -> IntArray:

@@ -23,6 +23,7 @@ class Joints:
         rods: Rod of either edge, shape (J, 2).
         numbers: Number of the joint along the rod of either edge, shape (J, 2); at the ends of a rod, walls
             too, that of its neighbour.
+        loose: Whether bending and twist do not pass, shape (J, 2).
         counts: Joints of each rod, whatever their kind, shape (rods,).
     """
 
@@ -32,6 +33,7 @@ class Joints:
     halves: FloatArray
     rods: IntArray
     numbers: IntArray
+    loose: BoolArray
     counts: IntArray
 
     @property
@@ -59,6 +61,20 @@ class Joints:
             self.halves[kept],
             self.rods[kept],
             self.numbers[kept],
+            self.loose[kept],
+            self.counts,
+        )
+
+    def followed_by(self, other: Joints) -> Joints:
+        """These, then others of the same rods."""
+        return Joints(
+            np.concatenate((self.triples, other.triples)),
+            np.concatenate((self.pairs, other.pairs)),
+            np.concatenate((self.signs, other.signs)),
+            np.concatenate((self.halves, other.halves)),
+            np.concatenate((self.rods, other.rods)),
+            np.concatenate((self.numbers, other.numbers)),
+            np.concatenate((self.loose, other.loose)),
             self.counts,
         )
 
@@ -73,6 +89,7 @@ class Edges:
         rest: Their lengths [m], shape (E + W,).
         rigid: Whether they bend nothing, shape (E + W,).
         rod: Their rods, shape (E + W,).
+        turning: Numbers of their ends, the same where they turn as one, shape (E + W, 2).
     """
 
     positions: FloatArray
@@ -80,46 +97,43 @@ class Edges:
     rest: FloatArray
     rigid: BoolArray
     rod: IntArray
+    turning: IntArray
 
 
 def make_joints(geometry: Geometry, edges: Edges) -> Joints:
     """All joints through which bending or twist passes."""
     triples, pairs, signs = rod_stencils(len(edges.positions), edges.ends)
+    passing = geometry.turning.passing(*turning_at(edges.turning, pairs, signs))
+    kept = passing.any(axis=1)
+    triples, pairs, signs, passing = triples[kept], pairs[kept], signs[kept], passing[kept]
     rods = edges.rod[pairs]
-    kept = _passing(geometry, triples, rods)
-    triples, pairs, signs, rods = triples[kept], pairs[kept], signs[kept], rods[kept]
     halves = np.where(edges.rigid, 0.0, 0.5 * edges.rest)[pairs]
     # between two held edges nothing can bend; any length will do
     held = halves.sum(axis=1) == 0.0
     halves[held] = 0.5 * edges.rest[pairs[held]]
-    numbers = _numbers(geometry, triples, rods)
+    numbers = number_joints(geometry, triples, rods)
     same = rods[:, 0] == rods[:, 1]
     counts = np.array(
         [int(numbers[same & (rods[:, 0] == k), 0].max(initial=-1)) + 1 for k in range(len(geometry.rods))],
         dtype=np.int64,
     )
-    return Joints(triples, pairs, signs.astype(np.float64), halves, rods, numbers, counts)
+    return Joints(triples, pairs, signs.astype(np.float64), halves, rods, numbers, ~passing, counts)
 
 
-def _passing(geometry: Geometry, triples: IntArray, rods: IntArray) -> BoolArray:
-    """Mask of the joints through which bending and twist pass: hinges left out, shape (J,).
+def turning_at(ends: IntArray, pairs: IntArray, signs: IntArray) -> tuple[IntArray, IntArray]:
+    """Numbers of the two ends that meet at each joint, each shape (J,).
 
     Args:
-        geometry: The rods.
-        triples: Nodes of the joints, shape (J, 3).
-        rods: Rods of their two edges, shape (J, 2).
+        ends: Those of all ends of edges, shape (E, 2).
+        pairs: Edges of the joints, shape (J, 2).
+        signs: Walking directions, shape (J, 2).
     """
-    centre = triples[:, 1]
-    released = np.isin(centre, geometry.hinges)
-    same = rods[:, 0] == rods[:, 1]
-    released |= np.isin(centre, geometry.rod_hinges) & ~same
-    node, rod = geometry.parted.T
-    released |= np.isin(centre * len(geometry.rods) + rods[:, 0], node * len(geometry.rods) + rod) & same
-    kept: BoolArray = ~released
-    return kept
+    # the first edge is walked into its node, the second one out of it
+    into, out = (1 + signs[:, 0]) // 2, (1 - signs[:, 1]) // 2
+    return ends[pairs[:, 0], into], ends[pairs[:, 1], out]
 
 
-def _numbers(geometry: Geometry, triples: IntArray, rods: IntArray) -> IntArray:
+def number_joints(geometry: Geometry, triples: IntArray, rods: IntArray) -> IntArray:
     """Number each joint along the rods of its edges from their starts, shape (J, 2)."""
     numbers = np.zeros(rods.shape, dtype=np.int64)
     for index, one in enumerate(geometry.rods):

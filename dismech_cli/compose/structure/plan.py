@@ -11,6 +11,7 @@ from enum import Enum
 
 import numpy as np
 
+from ...arrays import IntArray
 from ...kernels.availability import numba_fault
 from ...kinematics.strains import joint_angles
 from ...mesh.topology.rods import ChainKind, chains, rod_stencils
@@ -161,10 +162,11 @@ def _needs_frames(scene: Scene, holds: tuple[Hold, ...]) -> str:
         natural = rod.natural
         if any(value is not None for value in (natural.curvature_1, natural.curvature_2, natural.twist)):
             return f"rod '{rod.name}' has natural curvature or twist"
-    triples, _, _ = rod_stencils(len(geometry.nodes), geometry.edges)
-    if len(triples) and joint_angles(geometry.nodes, triples).max() > _STRAIGHT:
+    hung, places = _hung(geometry)
+    triples, _, _ = rod_stencils(len(places), hung)
+    if len(triples) and joint_angles(geometry.nodes[places], triples).max() > _STRAIGHT:
         return "a rest shape is curved"
-    if any(chain.kind is not ChainKind.OPEN for chain in chains(len(geometry.nodes), geometry.edges)):
+    if any(chain.kind is not ChainKind.OPEN for chain in chains(len(places), hung)):
         return "a rod is closed or branches"
     if any(force.turns_rods for force in scenario.forces):
         return "a moment acts"
@@ -206,10 +208,20 @@ def _most_held(geometry: Geometry, holds: tuple[Hold, ...]) -> int:
         held[hold.edges] = True
         walls[hold.walls] = True
     most = 0
-    for chain in chains(len(geometry.nodes), geometry.edges):
-        along = np.concatenate(([False, walls[chain.nodes[0]]], held[chain.edges], [walls[chain.nodes[-1]]]))
+    hung, places = _hung(geometry)
+    for chain in chains(len(places), hung):
+        first, last = places[chain.nodes[[0, -1]]]
+        along = np.concatenate(([False, walls[first]], held[chain.edges], [walls[last]]))
         most = max(most, int((along[1:] & ~along[:-1]).sum()))
     return most
+
+
+def _hung(geometry: Geometry) -> tuple[IntArray, IntArray]:
+    """Edges by nodes that they share only where bending or twist passes, (E, 2), and the nodes of these."""
+    hung = geometry.turning.hanging()
+    places = np.zeros(int(hung.max(initial=-1)) + 1, dtype=np.int64)
+    places[hung] = geometry.edges
+    return hung, places
 
 
 def _kernels(scene: Scene, warnings: list[str]) -> tuple[str, str]:

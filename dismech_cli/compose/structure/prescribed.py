@@ -20,7 +20,7 @@ from .structure import Structure
 
 
 def build_motions(scene: Scene, structure: Structure) -> tuple[Prescribed, ...]:
-    """Hold node positions, edge angles, mid-edge normals, and the walls behind clamped rod ends.
+    """Hold node positions, edge angles, mid-edge normals, the walls behind rod ends, the stubs of hubs.
 
     Raises:
         ScenarioError: A motion leaves the plane of a planar scene, or two motions hold one DOF and do
@@ -153,7 +153,7 @@ class _Holder:
         return np.concatenate((one.edges, len(self._scene.geometry.edges) + self._walls(one)))
 
     def _walls(self, one: Hold) -> IntArray:
-        return np.flatnonzero(np.isin(self._structure.skeleton.wall_nodes, one.walls))
+        return self._structure.skeleton.behind(one)
 
     def _normals(self, one: Hold) -> IntArray:
         return np.flatnonzero(np.isin(self._structure.shell_edges.edges, one.sloped).all(axis=1))

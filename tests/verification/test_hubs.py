@@ -1,0 +1,245 @@
+"""Three rods and more that are welded are the frame of beams that they are: second order."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from beams import Beam, frame_displacements
+from decks import Deck, given_section, rod_deck, scalar, solve
+from numpy.testing import assert_allclose
+from scipy.linalg import expm
+
+from dismech_cli.arrays import FloatArray
+from dismech_cli.compose.structure import skeleton
+
+T = np.array([[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+NET = np.array([[1.0, 0.2, 0.1], [-0.3, 0.9, 0.4], [-0.6, -0.5, 0.7], [0.1, -0.4, -1.0]])
+NET *= (np.array([1.0, 0.8, 1.2, 0.9]) / np.linalg.norm(NET, axis=1))[:, None]
+DIRECTOR = [0.3, 0.5, 0.8]
+
+
+def star(arms: FloatArray, edges: int, bending: tuple[float, float], **keys: Any) -> Deck:
+    """Rods from the origin, welded there; all but the last are clamped at their ends."""
+    section = given_section(axial=1e5, bending_1=bending[0], bending_2=bending[1], torsion=0.8)
+    bodies = [
+        {
+            "type": "rod",
+            "name": f"arm{k}",
+            "material": "m",
+            "section": section,
+            "director": DIRECTOR,
+            "generate": {"shape": "line", "from": [0.0, 0.0, 0.0], "to": arm.tolist(), "nodes": edges + 1},
+        }
+        for k, arm in enumerate(arms)
+    ]
+    deck = rod_deck(
+        {},
+        geometry=bodies,
+        joints=[{"type": "rigid", "nodes": ["arm0.start", f"arm{k}.start"]} for k in range(1, len(arms))],
+        motions=[{"type": "clamp", "where": f"arm{k}.end"} for k in range(len(arms) - 1)],
+        numerics={"integrator": {"type": "static", "load_steps": 1}, "newton": {"tolerance": 1e-12}},
+        dimension=3,
+    )
+    return deck | keys
+
+
+def loaded(arms: FloatArray, load: Any) -> list[Deck]:
+    return [{"type": "point", "where": f"arm{len(arms) - 1}.end", "force": np.asarray(load).tolist()}]
+
+
+def exact_work(arms: FloatArray, load: FloatArray, bending: tuple[float, float]) -> float:
+    joints = np.vstack((np.zeros(3), arms))
+    last = len(arms)
+    beams = [Beam((0, k), DIRECTOR, bending) for k in range(1, last + 1)]
+    moved = frame_displacements(joints, beams, range(1, last), {last: load})
+    return float(load @ moved[last, :3])
+
+
+def work(folder: Path, arms: FloatArray, edges: int, load: FloatArray, bending: tuple[float, float]) -> float:
+    tiny = 1e-6
+    frames = solve(folder, star(arms, edges, bending, forces=loaded(arms, tiny * load))).frames
+    return float(load @ (frames[-1].positions[-1] - frames[0].positions[-1])) / tiny
+
+
+LARGE: Deck = {"integrator": {"type": "static", "load_steps": 4}, "newton": {"tolerance": 1e-11}}
+EQUAL, UNEQUAL = (1.0, 1.0), (1.0, 2.5)
+# arms, load, stiffness, exact work where known, error of the work at 16 edges per rod
+CASES = {
+    "t": (T, np.array([1.0, 0.0, 0.0]), EQUAL, 0.458338, 3.02e-3),
+    "t-out": (T, np.array([0.0, 0.0, 1.0]), EQUAL, 1.0, 9.77e-4),
+    "net": (NET, np.array([1.0, 2.0, -1.0]), EQUAL, 1.988985, 2.84e-3),
+    "net-unequal": (NET, np.array([1.0, 2.0, -1.0]), UNEQUAL, None, 2.82e-3),
+}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_work_converges_to_that_of_beams(tmp_path: Path, name: str) -> None:
+    arms, load, bending, known, at_16 = CASES[name]
+    exact = exact_work(arms, load, bending)
+    if known is not None:
+        assert_allclose(exact, known, rtol=1e-6)
+    errors = [work(tmp_path, arms, n, load, bending) / exact - 1.0 for n in (8, 16, 32)]
+    assert_allclose(errors[1], at_16, rtol=1e-2)
+    assert (np.log2(np.array(errors[:2]) / errors[1:]) > 1.9).all()
+
+
+def test_loops_are_frames_too(tmp_path: Path) -> None:
+    """A square out of plane with a brace across it: two corners and two hubs, in one loop."""
+    joints = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.3], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
+    sides = [(4, 0), (0, 1), (1, 2), (3, 2), (0, 3), (0, 2)]
+    load = np.array([0.4, 0.3, 1.0])
+    beams = [Beam(ends, DIRECTOR, UNEQUAL) for ends in sides]
+    exact = load @ frame_displacements(joints, beams, [4], {2: load})[2, :3]
+    errors = []
+    for edges in (8, 16, 32):
+        deck = star(joints[[1]], edges, UNEQUAL)
+        body = deck["geometry"][0]
+        deck["geometry"], deck["joints"] = [], []
+        first: dict[int, str] = {}
+        for k, ends in enumerate(sides):
+            start, end = (joints[j].tolist() for j in ends)
+            shape = {"shape": "line", "from": start, "to": end, "nodes": edges + 1}
+            deck["geometry"].append(body | {"name": f"r{k}", "generate": shape})
+            for joint, place in zip(ends, (f"r{k}.start", f"r{k}.end"), strict=True):
+                if joint in first:
+                    deck["joints"].append({"type": "rigid", "nodes": [first[joint], place]})
+                first.setdefault(joint, place)
+        deck["motions"] = [{"type": "clamp", "where": "r0.start"}]
+        deck["forces"] = [{"type": "point", "where": "r2.end", "force": (1e-6 * load).tolist()}]
+        frames = solve(tmp_path, deck).frames
+        at = int(np.argmin(np.linalg.norm(frames[0].positions - joints[2], axis=1)))
+        moved = frames[-1].positions[at] - frames[0].positions[at]
+        errors.append(float(load @ moved) / 1e-6 / exact - 1.0)
+    assert 0.0 < errors[1] < 5e-3
+    assert (np.log2(np.array(errors[:2]) / errors[1:]) > 1.9).all()
+
+
+@pytest.mark.parametrize("load", [[1.5, 0.7, 0.0], [0.0, 3.0, 0.0]], ids=["across", "along"])
+def test_a_plane_gives_what_space_gives(tmp_path: Path, load: list[float]) -> None:
+    output = {"fields": ["curvature", "bending_moment"], "probes": {"stored": {"energy": "elastic"}}}
+    space, plane = (
+        solve(tmp_path, star(T, 8, EQUAL, forces=loaded(T, load), numerics=LARGE, output=output) | keys)
+        for keys in ({"dimension": 3}, {"dimension": 2, "plane": "xy"})
+    )
+    assert_allclose(plane.frames[-1].positions, space.frames[-1].positions, atol=1e-9)
+    assert_allclose(scalar(plane, "stored"), scalar(space, "stored"), rtol=1e-8, atol=1e-14)
+    for field in ("curvature", "bending_moment"):
+        assert_allclose(plane.frames[-1].fields[field], space.frames[-1].fields[field], rtol=1e-6, atol=1e-8)
+
+
+def far(folder: Path, edges: int) -> FloatArray:
+    """The tip of the net under a load that moves it by half its length."""
+    deck = star(NET, edges, EQUAL, forces=loaded(NET, [1.0, 2.0, -1.0]), numerics=LARGE)
+    return solve(folder, deck).frames[-1].positions[-1]
+
+
+def test_large_rotations_converge(tmp_path: Path) -> None:
+    coarse, middle, fine = (far(tmp_path, edges) for edges in (8, 16, 32))
+    assert_allclose(np.linalg.norm(fine - NET[-1]), 0.546, rtol=1e-2)
+    assert np.linalg.norm(coarse - middle) < 4e-3
+    assert np.log2(np.linalg.norm(coarse - middle) / np.linalg.norm(middle - fine)) > 1.9
+
+
+@pytest.mark.parametrize("length", [0.1, 2.0])
+def test_the_stub_may_have_any_length(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, length: float) -> None:
+    usual = far(tmp_path, 8)
+    monkeypatch.setattr(skeleton, "_STUB", length)
+    assert_allclose(far(tmp_path, 8), usual, atol=1e-8)
+
+
+GROWN = [
+    {"curvature_1": 0.6, "curvature_2": -0.5, "twist": 0.7},
+    {"curvature_1": -0.4, "curvature_2": 0.8, "twist": 0.5},
+    {"curvature_1": 0.3, "curvature_2": 0.6, "twist": -0.4},
+]
+
+
+def grown_end(arms: FloatArray, inward: tuple[bool, ...]) -> FloatArray:
+    """Tip of the last arm, grown as all are, with the first one clamped at its far end.
+
+    Frames (t, m1, m2) by rows turn by (twist, -curvature_2, curvature_1) along themselves.
+    """
+    at_hub = []
+    for arm, into in zip(arms, inward, strict=True):
+        t = (-arm if into else arm) / np.linalg.norm(arm)
+        m1 = np.asarray(DIRECTOR) - t * (t @ DIRECTOR)
+        m1 /= np.linalg.norm(m1)
+        at_hub.append(np.stack((t, m1, np.cross(t, m1))))
+    place, frame = arms[0], at_hub[0]
+    last = len(arms) - 1
+    for k, towards_hub in ((0, True), (last, False)):
+        k1, k2, tau = (GROWN[k][name] for name in ("curvature_1", "curvature_2", "twist"))
+        turning = np.array([[0.0, k1, k2], [-k1, 0.0, tau], [-k2, -tau, 0.0]])
+        walk = np.linalg.norm(arms[k]) * (1.0 if inward[k] is towards_hub else -1.0)
+        moved = expm(walk * np.block([[np.zeros((1, 1)), np.eye(1, 3)], [np.zeros((3, 1)), turning]]))
+        place, frame = place + moved[0, 1:] @ frame, moved[1:, 1:] @ frame
+        frame = at_hub[last] @ at_hub[0].T @ frame
+    return place
+
+
+@pytest.mark.parametrize("inward", [(False, False, False), (True, False, False), (False, True, True)])
+def test_rods_grow_at_a_hub(tmp_path: Path, inward: tuple[bool, ...]) -> None:
+    """Each by its own natural strains, whichever way it is drawn; nothing is stressed."""
+    arms, errors = NET[:3], []
+    for edges in (4, 8, 16):
+        deck = star(arms, edges, (1.0, 1.7), output={"probes": {"stored": {"energy": "elastic"}}})
+        ends = [("end", "start") if into else ("start", "end") for into in inward]
+        deck["joints"] = [
+            {"type": "rigid", "nodes": [f"arm0.{ends[0][0]}", f"arm{k}.{ends[k][0]}"]} for k in (1, 2)
+        ]
+        deck["motions"] = [{"type": "clamp", "where": f"arm0.{ends[0][1]}"}]
+        deck["numerics"]["integrator"]["load_steps"] = 5
+        for body, into in zip(deck["geometry"], inward, strict=True):
+            line = body["generate"]
+            if into:
+                line["from"], line["to"] = line["to"], line["from"]
+        deck["actuation"] = [
+            {"type": name, "rod": f"arm{k}", "value": {"table": [[0.0, 0.0], [1.0, value]]}}
+            for k, natural in enumerate(GROWN)
+            for name, value in natural.items()
+        ]
+        result = solve(tmp_path, deck)
+        assert scalar(result, "stored")[-1] < 1e-18
+        rest = result.frames[0].positions
+        at = int(np.argmin(np.linalg.norm(rest - arms[-1], axis=1)))
+        errors.append(float(np.linalg.norm(result.frames[-1].positions[at] - grown_end(arms, inward))))
+    assert errors[2] < 2e-3
+    assert (np.log2(np.array(errors[:2]) / errors[1:]) > 1.9).all()
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_a_hub_is_clamped_at_its_node(tmp_path: Path, dimension: int) -> None:
+    """Then every arm is a cantilever."""
+    errors = []
+    for edges in (8, 16):
+        deck = star(T, edges, EQUAL, forces=loaded(T, [1e-6, 0.0, 0.0]))
+        deck["motions"] = [{"type": "clamp", "where": "arm0.start"}]
+        if dimension == 2:
+            deck |= {"dimension": 2, "plane": "xy"}
+        moved = solve(tmp_path, deck).frames[-1].positions
+        assert_allclose(
+            moved[: edges + 1], solve(tmp_path, deck).frames[0].positions[: edges + 1], atol=1e-12
+        )
+        errors.append(float(moved[-1, 0]) / 1e-6 * 3.0 - 1.0)
+    assert 0.0 < errors[1] < 2e-3
+    assert np.log2(errors[0] / errors[1]) > 1.9
+
+
+def test_a_hub_turns_with_the_arm_that_is_held(tmp_path: Path) -> None:
+    """A clamp of the hub and the next node of one arm; the displacement moves them all."""
+    deck = star(T, 8, EQUAL)
+    deck["motions"] = [
+        {
+            "type": "clamp",
+            "where": {"nodes": {"of": "arm0", "range": [0, 1]}},
+            "displacement": [{"table": [[0.0, 0.0], [1.0, 0.2]]}, 0.0, 0.0],
+        }
+    ]
+    deck["forces"] = loaded(T, [1e-6, 0.0, 0.0])
+    frames = solve(tmp_path, deck).frames
+    moved = frames[-1].positions - frames[0].positions - [0.2, 0.0, 0.0]
+    assert_allclose(moved[-1, 0], 1e-6 / 3.0, rtol=1e-2)
+    assert np.abs(moved[:17]).max() < 1e-12
