@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Any
 
@@ -11,8 +12,11 @@ from beams import Beam, frame_displacements
 from decks import Deck, given_section, rod_deck, scalar, solve
 from numpy.testing import assert_allclose
 from scipy.linalg import expm
+from scipy.optimize import brentq
 
+from dismech_cli import load
 from dismech_cli.arrays import FloatArray
+from dismech_cli.compose.compose import compose
 from dismech_cli.compose.structure import skeleton
 
 T = np.array([[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
@@ -243,3 +247,136 @@ def test_a_hub_turns_with_the_arm_that_is_held(tmp_path: Path) -> None:
     moved = frames[-1].positions - frames[0].positions - [0.2, 0.0, 0.0]
     assert_allclose(moved[-1, 0], 1e-6 / 3.0, rtol=1e-2)
     assert np.abs(moved[:17]).max() < 1e-12
+
+
+def dynamic(operator: list[tuple[float, int]], values: list[float], beta: float) -> FloatArray:
+    """Coefficients of cos, sin, cosh, sinh(beta s) with given derivatives at given places."""
+
+    def row(s: float, order: int) -> list[float]:
+        x = beta * s
+        cycle = [np.cos(x), -np.sin(x), -np.cos(x), np.sin(x)]
+        hyper = [np.cosh(x), np.sinh(x)]
+        scale = beta**order
+        return [
+            scale * cycle[order % 4],
+            scale * cycle[(order - 1) % 4],
+            scale * hyper[order % 2],
+            scale * hyper[(order + 1) % 2],
+        ]
+
+    out: FloatArray = np.linalg.solve([row(*place) for place in operator], values)
+    return out
+
+
+def shape(coefficients: FloatArray, s: FloatArray, beta: float) -> FloatArray:
+    x = beta * s
+    return np.stack((np.cos(x), np.sin(x), np.cosh(x), np.sinh(x)), axis=1) @ coefficients
+
+
+# deflection and slope at the hub; moment and shear at the free end, or deflection and slope at the clamp
+STEM, ARM = [(0.0, 0), (0.0, 1), (1.0, 2), (1.0, 3)], [(0.0, 0), (0.0, 1), (1.0, 0), (1.0, 1)]
+UNIT = [0.0, 1.0, 0.0, 0.0]
+
+
+def swaying(beta: float) -> float:
+    """Moment about the hub of a T of unit beams that sways in its plane, per unit rotation."""
+
+    def moment(beam: list[tuple[float, int]]) -> float:
+        cos, _, cosh, _ = dynamic(beam, UNIT, beta)
+        return float(beta**2 * (cos - cosh))
+
+    return 2.0 * moment(ARM) + moment(STEM)
+
+
+def period_ratio(folder: Path, edges: int, beta: float) -> float:
+    """Measured over exact angular frequency of the T."""
+    omega, s = beta**2, np.linspace(0.0, 1.0, edges + 1)
+    arm = 1e-4 * omega * shape(dynamic(ARM, UNIT, beta), s, beta)
+    stem = 1e-4 * omega * shape(dynamic(STEM, UNIT, beta), s, beta)
+    nothing = np.zeros_like(s)
+    # rotation by one about -z: the stem moves along x, the arms along -y and y
+    speeds = [(nothing, arm, nothing), (nothing, -arm, nothing), (stem, nothing, nothing)]
+    for k, speed in enumerate(speeds):
+        np.savetxt(folder / f"v{k}.csv", np.stack(speed, 1), delimiter=",", header="x,y,z", comments="")
+    dt, periods = 2.0 * np.pi / omega / 80, 3
+    deck = star(T, edges, EQUAL)
+    deck["numerics"] = {"integrator": {"type": "newmark"}, "dt": dt, "t_end": (periods + 0.2) * 80 * dt}
+    deck["initial_velocity"] = [
+        {"where": {"nodes": {"of": f"arm{k}", "range": [1, edges]}}, "velocity": {"file": f"v{k}.csv"}}
+        for k in range(3)
+    ]
+    for k in range(3):
+        rows = (folder / f"v{k}.csv").read_text().splitlines()
+        (folder / f"v{k}.csv").write_text("\n".join([rows[0], *rows[2:]]) + "\n")
+    deck["output"] = {"every": dt, "probes": {"u": {"displacement": "arm2.end", "component": "x"}}}
+    result = solve(folder, deck)
+    u, t = scalar(result, "u"), np.array([frame.t for frame in result.frames])
+    up = np.flatnonzero((u[:-1] < 0.0) & (u[1:] >= 0.0))
+    crossings = t[up] - u[up] * (t[up + 1] - t[up]) / (u[up + 1] - u[up])
+    measured = 2.0 * np.pi * (len(crossings) - 1) / (crossings[-1] - crossings[0])
+    # Newmark's period is longer by (omega dt)^2 / 12
+    return float(measured / omega * (1.0 + (omega * dt) ** 2 / 12.0))
+
+
+def test_frequency_of_a_frame(tmp_path: Path) -> None:
+    beta = brentq(swaying, 0.5, 1.8, xtol=1e-13)
+    coarse, fine = (period_ratio(tmp_path, edges, beta) - 1.0 for edges in (4, 8))
+    # of second order, about a third of (beta h)^2
+    assert abs(fine) < (beta / 8.0) ** 2 / 3.0
+    assert np.log2(coarse / fine) > 1.9
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_a_frame_keeps_its_energy(tmp_path: Path, dimension: int) -> None:
+    """Flung hard and left alone, by the midpoint rule; the account knows of no other mass than the rods'."""
+    deck = star(T, 6, EQUAL)
+    deck["motions"] = [{"type": "clamp", "where": "arm0.end"}]
+    deck["initial_velocity"] = [{"where": "arm2", "velocity": [1.0, 0.5, 0.7 if dimension == 3 else 0.0]}]
+    deck["output"] = {"every": 0.01, "probes": {"e": {"energy": "elastic"}}}
+    if dimension == 2:
+        deck |= {"dimension": 2, "plane": "xy"}
+    drift = []
+    for dt in (0.005, 0.0025):
+        newton = {"tolerance": 1e-11}
+        deck["numerics"] = {
+            "integrator": {"type": "implicit_midpoint"},
+            "dt": dt,
+            "t_end": 0.5,
+            "newton": newton,
+        }
+        result = solve(tmp_path, deck)
+        stored = scalar(result, "kinetic") + scalar(result, "elastic")
+        assert_allclose(stored - stored[0], scalar(result, "error"), atol=1e-10)
+        drift.append(float(np.abs(stored / stored[0] - 1.0).max()))
+    parts = [name for name in result.frames[0].scalars if name.startswith("elastic_")]
+    assert_allclose(sum(scalar(result, name) for name in parts), scalar(result, "elastic"), rtol=1e-12)
+    # the midpoint rule ripples, and gains or loses nothing
+    assert drift[0] < 1e-2
+    assert drift[1] < 0.6 * drift[0]
+
+
+def test_nobody_sees_the_frame_of_a_hub(tmp_path: Path) -> None:
+    """It has no node in frames, no mass, no weight and no drag."""
+    deck = star(T, 6, EQUAL)
+    deck["numerics"] = {"integrator": {"type": "implicit_midpoint"}, "dt": 1e-3, "t_end": 2e-3}
+    deck["motions"] = []
+    deck["forces"] = [
+        {"type": "gravity", "acceleration": [0.0, 0.0, -10.0]},
+        {"type": "viscous", "coefficient": 0.3},
+    ]
+    file = tmp_path / "seen.yaml"
+    file.write_text(json.dumps(deck), encoding="utf-8")
+    made = compose(load(file))
+    simulation, geometry = made.simulation, made.geometry
+    dofs, n = simulation.model.dofs, 3 * 6 + 1
+    assert (dofs.n_nodes, dofs.visible) == (n + 1, n)
+    assert len(geometry.nodes) == len(simulation.topology.rest_positions) == n
+    mass = simulation.model.mass
+    assert_allclose(mass[: dofs.n_positions].sum() / 3.0, 3.0)
+    ghost = np.concatenate((dofs.of_nodes(np.array([n])).reshape(-1), dofs.of_angles(np.array([18]))))
+    assert_allclose(mass[ghost], 0.0, atol=0.0)
+    report = solve(tmp_path, deck)
+    assert len(report.frames[-1].positions) == n
+    # in free fall it follows: nothing is stressed, and the whole falls as one
+    fallen = report.frames[-1].positions - report.frames[0].positions
+    assert np.ptp(fallen[:, 2]) < 1e-6 * np.abs(fallen[:, 2]).max()
