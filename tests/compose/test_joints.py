@@ -136,7 +136,8 @@ def test_rigid_and_hinged_rods_meet_at_one_node(tmp_path: Path, joints: list[Dec
     here = int(np.argmin(np.linalg.norm(geometry.nodes, axis=1)))
     edge, side = np.nonzero(geometry.edges == here)
     number = {
-        geometry.rods[geometry.edge_rod[e]].name: geometry.turning.ends[e, s] for e, s in zip(edge, side)
+        geometry.rods[geometry.edge_rod[e]].name: geometry.turning.ends[e, s]
+        for e, s in zip(edge, side, strict=True)
     }
     assert len(number) == 3
     assert {x + y for x, y in ("ab", "bc", "ac") if number[x] == number[y]} == joined
