@@ -105,7 +105,8 @@ class Run:
             raise self._unknown("field", name, [spec.name for spec in topology.fields])
         cells = len(topology.edges) + len(topology.triangles)
         rows = len(topology.rest_positions) if spec.location == "node" else cells
-        return FrameArray(self._open()[vtkhdf.field_path(spec)], self._frames, rows)
+        file = self._open()
+        return FrameArray(file[vtkhdf.present(file, vtkhdf.field_path(spec))], self._frames, rows)
 
     def state(self, name: str) -> FrameArray:
         """A raw state array over all frames.

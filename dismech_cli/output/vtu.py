@@ -11,7 +11,8 @@ import numpy as np
 
 from ..errors import OutputError
 from .durable import output_errors, staged, write_bytes, write_fully
-from .frame import Frame, Topology
+from .frame import FieldSpec, Frame, Topology
+from .viewer import DISPLACEMENT, array_name, mesh_arrays
 
 SERIES_FILE = "series.pvd"
 FRAMES_FOLDER = "frames"
@@ -119,12 +120,15 @@ def write_vtu(path: Path, topology: Topology, frame: Frame) -> None:
         if len(block):
             cells.append((kind, block))
             parts.append(part)
-    point_data = {
-        field.name: frame.fields[field.name] for field in topology.fields if field.location == "node"
-    }
+    arrays: list[tuple[FieldSpec, Any]] = [
+        (DISPLACEMENT, frame.positions - topology.rest_positions),
+        *mesh_arrays(topology),
+        *((field, frame.fields[field.name]) for field in topology.fields),
+    ]
+    point_data = {array_name(field): values for field, values in arrays if field.location == "node"}
     cell_data = {
-        field.name: [np.ascontiguousarray(frame.fields[field.name][part]) for part in parts]
-        for field in topology.fields
+        array_name(field): [np.ascontiguousarray(values[part]) for part in parts]
+        for field, values in arrays
         if field.location == "cell" and parts
     }
     mesh = meshio.Mesh(frame.positions, cells, point_data=point_data, cell_data=cell_data)

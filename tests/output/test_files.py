@@ -18,8 +18,10 @@ from dismech_cli.output import checkpoint, run_directory
 from dismech_cli.output.durable import output_errors, staged
 from dismech_cli.output.events import EventLog, read_events
 from dismech_cli.output.export import EXPORTERS, export
+from dismech_cli.output.frame import FieldSpec
 from dismech_cli.output.manifest import Manifest, load_manifest
 from dismech_cli.output.table import CsvWriter, read_table
+from dismech_cli.output.viewer import array_name
 from dismech_cli.output.vtu import VtuWriter
 from dismech_cli.output.writers import WRITERS, make_writer
 
@@ -73,11 +75,35 @@ def test_vtu_frames_come_back(tmp_path, case):
     write_all(VtuWriter(tmp_path), topology, frames)
     mesh = meshio.read(tmp_path / "frames" / "000001.vtu")
     assert_array_equal(mesh.points, frames[1].positions)
-    assert_array_equal(mesh.point_data["velocity"], frames[1].fields["velocity"])
+    assert_array_equal(mesh.point_data["velocity [m s^-1]"], frames[1].fields["velocity"])
+    moved = frames[1].positions - topology.rest_positions
+    assert_array_equal(mesh.point_data["displacement [m]"], moved)
+    bodies = np.concatenate([topology.edge_body, topology.triangle_body])
+    assert_array_equal(np.concatenate(mesh.cell_data["body"]), bodies)
+    edges = len(topology.edges)
+    assert_array_equal(np.concatenate(mesh.cell_data["radius [m]"])[:edges], topology.edge_radius)
+    thickness = np.concatenate(mesh.cell_data["thickness [m]"])[edges:]
+    assert_array_equal(thickness, topology.triangle_thickness)
     assert_array_equal(np.concatenate(mesh.cell_data["strain"]), frames[1].fields["strain"])
     assert_array_equal(mesh.cells_dict["line"], topology.edges)
     if len(topology.triangles):
         assert_array_equal(mesh.cells_dict["triangle"], topology.triangles)
+
+
+@pytest.mark.parametrize(
+    ("unit", "name"),
+    [
+        ("1", "x"),
+        ("m", "x [m]"),
+        ("m/s", "x [m s^-1]"),
+        ("1/m", "x [m^-1]"),
+        ("rad/m", "x [rad m^-1]"),
+        ("J/m^2", "x [J m^-2]"),
+        ("N m", "x [N m]"),
+    ],
+)
+def test_units_stand_in_names_without_a_stroke(unit, name):
+    assert array_name(FieldSpec(name="x", unit=unit, long_name="x", location="node")) == name
 
 
 def test_the_table_has_units_and_exact_numbers(tmp_path):

@@ -66,7 +66,10 @@ def test_paraview_reader_returns_every_step(tmp_path, case):
     for frame, (t, points, point_data, cell_data, ids) in zip(frames, steps, strict=True):
         assert t == frame.t
         assert_array_equal(points, frame.positions)
-        assert_array_equal(point_data["velocity"], frame.fields["velocity"])
+        assert_array_equal(point_data["velocity [m s^-1]"], frame.fields["velocity"])
+        assert_array_equal(cell_data["body"], [*topology.edge_body, *topology.triangle_body])
+        assert_array_equal(cell_data["radius [m]"][: len(topology.edges)], topology.edge_radius)
+        assert_array_equal(cell_data["thickness [m]"][len(topology.edges) :], topology.triangle_thickness)
         assert_array_equal(cell_data["strain"], frame.fields["strain"])
         assert ids == cells
 
@@ -94,6 +97,17 @@ def test_read_returns_what_was_written(tmp_path, case):
         assert run.metadata == {"name": "synthetic", "plan": "none\nnone\nnone\n"}
         assert_array_equal(run.scalars["kinetic_energy"], np.arange(5.0))
         assert run.scalar_units["kinetic_energy"] == "J"
+
+
+def test_an_older_file_without_units_in_its_names_is_read(tmp_path):
+    topology, frames = cantilever(frames=2)
+    write_run(tmp_path, (topology, frames))
+    with h5py.File(tmp_path / "run.vtkhdf", "r+") as file:
+        for group in ("PointData", "Steps/PointDataOffsets"):
+            file["VTKHDF"][group].move("velocity [m s^-1]", "velocity")
+    with read(tmp_path) as run:
+        assert run.topology.fields == topology.fields
+        assert_array_equal(run.field("velocity")[1], frames[1].fields["velocity"])
 
 
 def test_scalars_come_from_the_frames_without_a_table(tmp_path):
@@ -144,7 +158,7 @@ def test_a_ragged_tail_is_left_out_and_cut_by_resume(tmp_path):
     write_run(tmp_path, (topology, frames))
     path = tmp_path / "run.vtkhdf"
     with h5py.File(path, "r+") as file:
-        file["VTKHDF/PointData/velocity"].resize(4 * len(topology.rest_positions) - 3, axis=0)
+        file["VTKHDF/PointData/velocity [m s^-1]"].resize(4 * len(topology.rest_positions) - 3, axis=0)
     with read(tmp_path) as run:
         assert len(run) == 3
         assert_array_equal(run.t, [frame.t for frame in frames[:3]])

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ..frame import FieldSpec, Topology
+from ..frame import FieldSpec, Location, Topology
 
 GROUP = "dismech/topology"
 
@@ -61,12 +61,18 @@ def _order(item: tuple[str, Any]) -> int:
 
 
 def _read_field(file: Any, name: str) -> FieldSpec:
-    location = "node" if f"VTKHDF/PointData/{name}" in file else "cell"
-    dataset = file[f"VTKHDF/{'PointData' if location == 'node' else 'CellData'}/{name}"]
+    location: Location = "node" if _named(file["VTKHDF"], "PointData", name) else "cell"
+    dataset = _named(file["VTKHDF"], "PointData" if location == "node" else "CellData", name)
     return FieldSpec(
         name=name,
         unit=str(dataset.attrs["units"]),
         long_name=str(dataset.attrs["long_name"]),
-        location="node" if location == "node" else "cell",
+        location=location,
         components=int(dataset.shape[1]) if dataset.ndim > 1 else 1,
     )
+
+
+def _named(root: Any, group: str, name: str) -> Any:
+    """The array of that name, whatever unit stands behind it, or None."""
+    arrays = root[group] if group in root else {}
+    return next((arrays[key] for key in arrays if key.partition(" [")[0] == name), None)

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 
 from ...arrays import IntArray
 from ..frame import FieldSpec, Frame, Topology
+from ..viewer import array_name, mesh_arrays
 from .column import Column, create_column, open_column
 
 ROOT = "VTKHDF"
@@ -33,7 +34,12 @@ ColumnPlan = tuple[str, int, tuple[int, ...], str, dict[str, str], Value]
 
 def field_path(field: FieldSpec) -> str:
     """Path of the dataset that holds ``field``."""
-    return f"{ROOT}/{_data_group(field)}/{field.name}"
+    return f"{ROOT}/{_data_group(field)}/{array_name(field)}"
+
+
+def present(file: Any, path: str) -> str:
+    """The path in this file: older ones name their arrays without units."""
+    return path if path in file else path.partition(" [")[0]
 
 
 def write_static(file: Any, topology: Topology) -> None:
@@ -47,6 +53,9 @@ def write_static(file: Any, topology: Topology) -> None:
     for kind, cells in zip(_KINDS, (none, topology.edges, topology.triangles, none), strict=True):
         _write_cells(root.create_group(kind), cells)
     root.create_group("Steps").attrs["NSteps"] = np.int64(0)
+    for field, values in mesh_arrays(topology):
+        dataset = root.create_dataset(f"{_data_group(field)}/{array_name(field)}", data=values)
+        dataset.attrs.update({"units": field.unit, "long_name": field.long_name})
 
 
 def _write_cells(group: Any, cells: IntArray) -> None:
@@ -75,7 +84,11 @@ def plan_columns(topology: Topology) -> Iterator[ColumnPlan]:
         tail = () if field.components == 1 else (field.components,)
         attributes = {"units": field.unit, "long_name": field.long_name}
         yield field_path(field), rows, tail, "f8", attributes, _field_value(field.name)
-        yield f"{steps}/{_data_group(field)}Offsets/{field.name}", 1, (), "i8", {}, _row_offset(rows)
+        yield _offsets_path(field), 1, (), "i8", {}, _row_offset(rows)
+
+
+def _offsets_path(field: FieldSpec) -> str:
+    return f"{ROOT}/Steps/{_data_group(field)}Offsets/{array_name(field)}"
 
 
 def _data_group(field: FieldSpec) -> str:
@@ -110,7 +123,7 @@ def open_columns(file: Any, plans: Iterator[ColumnPlan]) -> list[tuple[Column, V
     """
     columns = []
     for path, rows, tail, _, _, value in plans:
-        dataset = file[path]
+        dataset = file[present(file, path)]
         if dataset.shape[1:] != tail:
             raise ValueError(f"{path} has rows of shape {dataset.shape[1:]}, not {tail}")
         columns.append((open_column(dataset, rows), value))
