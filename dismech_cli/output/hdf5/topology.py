@@ -74,5 +74,5 @@ def _read_field(file: Any, name: str) -> FieldSpec:
 
 def _named(root: Any, group: str, name: str) -> Any:
     """The array of that name, whatever unit stands behind it, or None."""
-    arrays = root[group] if group in root else {}
+    arrays = root.get(group, {})
     return next((arrays[key] for key in arrays if key.partition(" [")[0] == name), None)
