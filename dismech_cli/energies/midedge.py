@@ -240,7 +240,7 @@ def midedge_term(
     return StencilEnergy.of(
         name,
         MIDEDGE,
-        np.concatenate((dofs.of_nodes(triangles).reshape(count, -1), dofs.of_normals(face_edges)), axis=1),
+        np.concatenate((dofs.of_nodes(triangles).reshape(count, -1), frames.angles[face_edges]), axis=1),
         {
             **dict(zip(_NATURAL, natural, strict=True)),
             **dict(zip(_STIFFNESS, stiffness, strict=True)),

@@ -47,6 +47,7 @@ class ShellFrames:
         dofs: DofMap,
         rods: Frames,
         edges: IntArray,
+        normals: IntArray,
         edge_faces: IntArray,
         triangles: IntArray,
         driver: Driver,
@@ -54,9 +55,10 @@ class ShellFrames:
         """Build for the edges of a shell.
 
         Args:
-            dofs: Numbering; carries one xi for each shell edge.
+            dofs: Numbering; carries one xi for each normal.
             rods: Frames of the rods, or ``NoFrames()``.
             edges: Shell edges, shape (B, 2).
+            normals: Number of the normal of each edge, shape (B,): edges that turn as one share it.
             edge_faces: Triangles at each edge, -1 where there is no second, shape (B, 2).
             triangles: Shape (T, 3).
             driver: Runs the transport.
@@ -66,7 +68,7 @@ class ShellFrames:
             rods,
             np.ascontiguousarray(dofs.of_nodes(edges[:, 0]).T),
             np.ascontiguousarray(dofs.of_nodes(edges[:, 1]).T),
-            dofs.of_normals(np.arange(len(edges))),
+            dofs.of_normals(normals),
             dofs.of_nodes(triangles[faces]),
             driver,
         )

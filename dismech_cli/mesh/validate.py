@@ -8,12 +8,14 @@ import numpy as np
 
 from ..arrays import BoolArray, FloatArray, IntArray
 from ..errors import MeshError
+from .allowed import PLAIN, Allowed
 from .limits import MAX_COORDINATE, check_count
 from .measure import area_vectors, edge_lengths, triangle_areas
 from .mesh import Mesh
 from .topology.components import components
 from .topology.orient import reverse, reversed_triangles
-from .topology.sides import half_edges, shared_sides
+from .topology.pinched import pinched_nodes
+from .topology.sides import half_edges, shared_sides, side_counts
 from .topology.weld import weld_nodes
 
 LENGTH_TOLERANCE = 1e-12
@@ -44,18 +46,18 @@ class Lines:
     triangles: IntArray | None = None
 
 
-def validate(mesh: Mesh, where: str, lines: Lines | None = None, weld: float = 0.0) -> Mesh:
+def validate(mesh: Mesh, where: str, lines: Lines | None = None, allowed: Allowed = PLAIN) -> Mesh:
     """Check a mesh and repair what can be repaired without guessing.
 
     Args:
         mesh: As read or generated.
         where: File or generator, for messages.
         lines: Line numbers of the file's entries, for messages.
-        weld: Nodes up to this distance from each other become one; 0 leaves even those at one place.
+        allowed: What it may be beyond a plain surface.
 
     Returns:
-        The mesh without unused nodes, consistently wound, with a note for each change and for
-        several components.
+        The mesh without unused nodes, consistently wound, with a note for each change, for several
+        components, and for slits, branches and nodes at which a surface hangs together by a point.
 
     Raises:
         MeshError: For indices out of range, coordinates that are not finite, duplicate nodes,
@@ -69,16 +71,19 @@ def validate(mesh: Mesh, where: str, lines: Lines | None = None, weld: float = 0
         raise MeshError(f"{where}: the mesh has neither rod edges nor triangles")
     _check_range(mesh, where, lines)
     welded = np.zeros(len(mesh.nodes), dtype=np.bool_)
-    if weld > 0.0:
-        mesh, welded = weld_nodes(mesh, weld, where)
+    if allowed.weld > 0.0:
+        mesh, welded = weld_nodes(mesh, allowed.weld, where)
     used = np.zeros(len(mesh.nodes), dtype=np.bool_)
     used[mesh.edges.ravel()] = True
     used[mesh.triangles.ravel()] = True
-    unit = _check_nodes(mesh.nodes, used, where, lines.nodes)
+    unit = _unit_nodes(mesh.nodes, used, where, lines.nodes)
+    pairs = np.flatnonzero(used)[_coincident(unit[used])]
+    if len(pairs) and not allowed.slits:
+        raise _at_one_place(pairs, where, lines.nodes)
     _check_edges(mesh.edges, unit, where, lines.edges)
-    mesh = _check_triangles(mesh, unit, where, lines.triangles)
+    mesh = _check_triangles(mesh, unit, where, lines.triangles, allowed)
     # Last, so that messages count nodes as the file does.
-    return _note_components(_drop_unused(mesh, used, welded))
+    return _note_connections(_drop_unused(mesh, used, welded), len(pairs))
 
 
 def _refuse(bad: BoolArray, rows: IntArray, what: str, why: str, where: str, lines: IntArray | None) -> None:
@@ -100,20 +105,16 @@ def _check_range(mesh: Mesh, where: str, lines: Lines) -> None:
         _refuse(bad, rows, what, f"names a node out of range; the mesh has nodes 1 to {count}", where, at)
 
 
-def _check_nodes(nodes: FloatArray, used: BoolArray, where: str, lines: IntArray | None) -> FloatArray:
+def _unit_nodes(nodes: FloatArray, used: BoolArray, where: str, lines: IntArray | None) -> FloatArray:
     """Return the nodes scaled by the diagonal of their bounding box, so tolerances are pure numbers.
 
     Unused nodes do not count and stay at the origin.
     """
-
-    def place(node: int) -> str:
-        return where if lines is None else f"{where}:{lines[node]}"
-
     bad = ~(np.abs(nodes) <= MAX_COORDINATE).all(axis=1) & used
     if bad.any():
         first = int(np.argmax(bad))
         raise MeshError(
-            f"{place(first)}: node {first + 1} is at {nodes[first].tolist()}; "
+            f"{_place(first, where, lines)}: node {first + 1} is at {nodes[first].tolist()}; "
             f"expected finite coordinates up to {MAX_COORDINATE:g} m"
         )
     points = nodes[used]
@@ -124,15 +125,21 @@ def _check_nodes(nodes: FloatArray, used: BoolArray, where: str, lines: IntArray
         raise MeshError(f"{where}: all nodes are at the same place")
     unit = np.zeros_like(nodes)
     unit[used] = (points - low) / diagonal
-    pairs = np.flatnonzero(used)[_coincident(unit[used])]
-    if len(pairs):
-        one, two = pairs[np.argmin(pairs[:, 1])]
-        more = f" ({len(pairs) - 1} more such pairs)" if len(pairs) > 1 else ""
-        raise MeshError(
-            f"{place(int(two))}: node {two + 1} is at the same place as node {one + 1}; "
-            f"merge them ('weld' does so) or move them apart{more}"
-        )
     return unit
+
+
+def _at_one_place(pairs: IntArray, where: str, lines: IntArray | None) -> MeshError:
+    """What is wrong with pairs of coincident nodes, told of the first."""
+    one, two = pairs[np.argmin(pairs[:, 1])]
+    more = f" ({len(pairs) - 1} more such pairs)" if len(pairs) > 1 else ""
+    return MeshError(
+        f"{_place(int(two), where, lines)}: node {two + 1} is at the same place as node {one + 1}; merge "
+        f"them ('weld' does so), leave them apart as the lips of a slit ('slits: open'), or move them{more}"
+    )
+
+
+def _place(node: int, where: str, lines: IntArray | None) -> str:
+    return where if lines is None else f"{where}:{lines[node]}"
 
 
 def _coincident(unit: FloatArray) -> IntArray:
@@ -197,7 +204,7 @@ def _repeated(rows: IntArray) -> BoolArray:
     return repeated
 
 
-def _check_triangles(mesh: Mesh, unit: FloatArray, where: str, at: IntArray | None) -> Mesh:
+def _check_triangles(mesh: Mesh, unit: FloatArray, where: str, at: IntArray | None, allowed: Allowed) -> Mesh:
     triangles = mesh.triangles
     if not len(triangles):
         return mesh
@@ -205,13 +212,13 @@ def _check_triangles(mesh: Mesh, unit: FloatArray, where: str, at: IntArray | No
     _refuse(flat, triangles, "triangle", "has zero area", where, at)
     _refuse(_repeated(triangles), triangles, "triangle", "repeats an earlier triangle", where, at)
 
-    ordered = np.sort(half_edges(triangles), axis=1)
-    pairs, inverse, counts = np.unique(ordered, axis=0, return_inverse=True, return_counts=True)
-    if counts.max() > 2:
-        crowded = np.asarray((counts[inverse.ravel()] > 2).reshape(-1, 3).any(axis=1))
-        a, b = pairs[np.argmax(counts > 2)] + 1
+    counts = side_counts(triangles)
+    if counts.max() > 2 and not allowed.branches:
+        crowded = np.asarray((counts > 2).reshape(-1, 3).any(axis=1))
+        a, b = np.sort(half_edges(triangles)[np.argmax(counts > 2)]) + 1
         why = (
-            f"meets more than one other triangle at an edge (such as nodes {a}, {b}): not a manifold surface"
+            f"meets more than one other triangle at an edge (such as nodes {a}, {b}): not a manifold "
+            "surface; 'branches' says what sheets do that meet so"
         )
         _refuse(crowded, triangles, "triangle", why, where, at)
 
@@ -261,9 +268,24 @@ def _drop_unused(mesh: Mesh, used: BoolArray, welded: BoolArray) -> Mesh:
     )
 
 
-def _note_components(mesh: Mesh) -> Mesh:
+def _note_connections(mesh: Mesh, coincident: int) -> Mesh:
+    """Say what hangs together otherwise than sheets do, from node to node and from edge to edge."""
+    notes = list(mesh.notes)
     pairs = np.concatenate([mesh.edges, mesh.triangles[:, :2], mesh.triangles[:, 1:]])
     pieces, _ = components(len(mesh.nodes), pairs)
-    if pieces == 1:
-        return mesh
-    return replace(mesh, notes=(*mesh.notes, f"The mesh has {pieces} components that share no node."))
+    if pieces > 1:
+        notes.append(f"The mesh has {pieces} components that share no node.")
+    if coincident:
+        notes.append(f"{_some(coincident, 'pair')} of nodes at the same place stay apart, as lips of slits.")
+    sides = half_edges(mesh.triangles)[side_counts(mesh.triangles) > 2]
+    if branching := len(np.unique(np.sort(sides, axis=1), axis=0)):
+        notes.append(f"Three or more sheets meet at {_some(branching, 'edge')}.")
+    if len(mesh.triangles) and (pinched := pinched_nodes(mesh.triangles)).size:
+        notes.append(
+            f"Parts of the surface hang together by {_some(pinched.size, 'node')} alone, as by ball joints."
+        )
+    return replace(mesh, notes=tuple(notes)) if len(notes) > len(mesh.notes) else mesh
+
+
+def _some(count: int, what: str) -> str:
+    return f"{count} {what}" if count == 1 else f"{count} {what}s"

@@ -316,7 +316,7 @@ MIDDLE = {"nodes": {"of": "other", "indices": [1]}}
         ),
         (
             [{"type": "rigid", "nodes": [ROOT, {"nodes": {"of": "second", "indices": [11]}}]}],
-            "a rigid joint welds rods, or a rod to a shell; for two shells take 'hinge'",
+            "a rigid joint welds rods, or a rod to a shell; two shells are welded along a 'seam'",
         ),
     ],
 )

@@ -138,9 +138,12 @@ def test_counts_of_a_disc() -> None:
     assert_array_equal(np.sort(shell.hinge_edges), np.flatnonzero(shell.edge_faces[:, 1] >= 0))
 
 
-def test_a_third_triangle_at_an_edge_is_refused() -> None:
-    with pytest.raises(MeshError, match="3 triangles share the edge between nodes 1 and 2"):
-        shell_edges(np.array([[2, 0, 1], [3, 1, 0], [4, 0, 1]]))
+def test_each_of_three_triangles_at_an_edge_has_one_of_its_own() -> None:
+    topology = shell_edges(np.array([[2, 0, 1], [3, 1, 0], [4, 0, 1]]))
+    assert len(topology.edges) == 9
+    assert len(topology.hinges) == 0
+    assert_array_equal(topology.edge_faces[:, 1], -1)
+    assert_array_equal(np.sort(topology.edges[topology.face_edges[:, 0]], axis=1), [[0, 1]] * 3)
 
 
 def test_two_joints_that_share_triangles_have_each_ghost_edge_once() -> None:

@@ -109,7 +109,15 @@ def shell(
                 youngs_modulus=e, poisson_ratio=nu, thickness=h,
             )  # fmt: skip
         case _:
-            frames = ShellFrames.of(dofs, NoFrames(), topology.edges, topology.edge_faces, triangles, driver)
+            frames = ShellFrames.of(
+                dofs,
+                NoFrames(),
+                topology.edges,
+                np.arange(len(topology.edges)),
+                topology.edge_faces,
+                triangles,
+                driver,
+            )
             bend = midedge_term(
                 "bend", dofs, nodes, triangles, topology.face_edges, topology.face_signs, frames,
                 youngs_modulus=e, poisson_ratio=nu, thickness=h,

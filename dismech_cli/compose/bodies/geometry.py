@@ -36,6 +36,21 @@ class ShellWeld:
 
 
 @dataclass(frozen=True, slots=True)
+class WeldedSides:
+    """Sides of triangles across which bending passes from shell to shell.
+
+    Attributes:
+        shells: Places of the shells among the shells.
+        sides: Their nodes, shape (S, 2).
+        joint: Place of the seam in the scenario's list of joints.
+    """
+
+    shells: tuple[int, ...]
+    sides: IntArray
+    joint: int
+
+
+@dataclass(frozen=True, slots=True)
 class Geometry:
     """All bodies together.
 
@@ -57,6 +72,7 @@ class Geometry:
         rod_edges: Edges of each rod, in its own order.
         turning: Which of its edges turn as one where they meet.
         shell_welds: Edges of rods that turn with a shell.
+        seams: Sides along which shells are welded.
         files: File of each body's mesh, or None, and its nodes' numbers there.
         notes: What the mesh readers said.
     """
@@ -78,6 +94,7 @@ class Geometry:
     rod_edges: Mapping[str, IntArray]
     turning: Turning
     shell_welds: tuple[ShellWeld, ...]
+    seams: tuple[WeldedSides, ...]
     files: Mapping[str, tuple[Path, IntArray]]
     notes: tuple[str, ...]
 
@@ -171,6 +188,7 @@ def assemble_geometry(loaded: LoadedScenario) -> Geometry:
         rod_edges=rod_edges,
         turning=whole(all_edges),
         shell_welds=(),
+        seams=(),
         files=files,
         notes=tuple(notes),
     )

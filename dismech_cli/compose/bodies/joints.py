@@ -12,10 +12,12 @@ from ...arrays import IntArray
 from ...mesh.measure import edge_lengths
 from ...mesh.topology.sides import half_edges
 from ...scenario.language.joint import HingeJoint, RigidJoint
+from ...scenario.language.seam import Seam
 from ...scenario.load import LoadedScenario
 from ...scenario.text.tree import KeyPath
 from ...scenario.values.selection import Selects
 from .geometry import Geometry, ShellWeld
+from .seams import find_seams
 from .selection import select_all
 from .turning import RELEASED, Said, make_turning, turning_nodes
 
@@ -62,10 +64,16 @@ def weld_joints(loaded: LoadedScenario, geometry: Geometry) -> Geometry:
     welded: list[int] = []
     for a, b in _shared_by_file(geometry):
         target[target == target[b]] = target[a]
+    near = _COINCIDENT * _shortest(geometry)
+    sewn = find_seams(loaded, geometry, near)
+    for a, b in sewn.pairs.tolist():
+        target[target == target[b]] = target[a]
     selected = select_all(loaded, geometry, Selects.JOINED)[Selects.JOINED]
-    apart = _Apart(loaded, geometry, selected, _COINCIDENT * _shortest(geometry))
+    apart = _Apart(loaded, geometry, selected, near)
     for index, joint in enumerate(loaded.scenario.joints):
         path = ("joints", index)
+        if isinstance(joint, Seam):
+            continue
         if isinstance(joint, HingeJoint) and joint.where is not None:
             node = apart.node(*path, "where")
             loose.append((index, node))
@@ -119,6 +127,8 @@ def weld_joints(loaded: LoadedScenario, geometry: Geometry) -> Geometry:
         body_nodes=moved(geometry.body_nodes),
         turning=make_turning(len(geometry.nodes), geometry.edges, said),
         shell_welds=tuple(replace(weld, node=int(index_of[weld.node])) for weld in welds),
+        seams=tuple(replace(seam, sides=index_of[seam.sides]) for seam in sewn.welded),
+        notes=(*geometry.notes, *sewn.notes),
     )
 
 
@@ -208,7 +218,8 @@ def _shell_welds(apart: _Apart, index: int, nodes: tuple[int, int]) -> list[Shel
     edges = np.flatnonzero((apart.geometry.edges == nodes[0]).any(axis=1))
     if len(edges) == 0:
         raise apart.loaded.error(
-            (*path, "nodes"), "a rigid joint welds rods, or a rod to a shell; for two shells take 'hinge'"
+            (*path, "nodes"),
+            "a rigid joint welds rods, or a rod to a shell; two shells are welded along a 'seam'",
         )
     joint = apart.loaded.scenario.joints[index]
     if len(edges) > 1 and isinstance(joint, RigidJoint) and joint.release is not None:

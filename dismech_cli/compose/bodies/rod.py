@@ -10,6 +10,7 @@ import numpy as np
 from ...arrays import IntArray
 from ...csv_columns import read_columns
 from ...errors import MeshError
+from ...mesh.allowed import Allowed
 from ...mesh.files.read import read_mesh
 from ...mesh.generate import curves as generate
 from ...mesh.generate.polyline import polyline
@@ -55,7 +56,9 @@ def with_ends(mesh: Mesh) -> dict[str, IntArray]:
 
 def _read(source: MeshFile, directory: Path) -> BodyMesh:
     path = directory / source.file
-    mesh = read_mesh(path, source.weld / source.scale)
+    # What its shells are is theirs to say.
+    allowed = Allowed(weld=source.weld / source.scale, slits=source.slits == "open", branches=True)
+    mesh = read_mesh(path, allowed)
     if source.group is not None and source.group not in mesh.edge_groups:
         known = ", ".join(sorted(mesh.edge_groups)) or "none"
         raise MeshError(f"{source.file} has no group of lines '{source.group}'; it has: {known}")

@@ -115,6 +115,7 @@ SELECT: Mapping[Selects, Callable[[Geometry, Selection], IntArray]] = {
     Selects.NODES: select_nodes,
     Selects.EDGES: select_edges,
     Selects.JOINED: select_single_node,
+    Selects.SEWN: select_nodes,
 }
 
 

@@ -8,8 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
-from ...arrays import FloatArray
+from ...arrays import FloatArray, IntArray
 from ...errors import MeshError
+from ...mesh.allowed import Allowed
 from ...mesh.files.read import read_mesh
 from ...mesh.generate import curved as generate_curved
 from ...mesh.generate import rings as generate_rings
@@ -17,7 +18,8 @@ from ...mesh.generate.sheets import Pattern, sheet
 from ...mesh.mesh import Mesh
 from ...mesh.topology.closed import inward_surfaces
 from ...mesh.topology.orient import reverse
-from ...mesh.topology.shells import shell_edges
+from ...mesh.topology.sides import rim_sides, side_counts
+from ...mesh.topology.slits import on_each_other
 from ...scenario.language.geometry import Shell, SurfaceFile
 from ...scenario.language.material import Material
 from ...scenario.language.surface import (
@@ -63,23 +65,35 @@ def shell_properties(shell: Shell, material: Material) -> ShellProperties:
 
 
 def shell_mesh(shell: Shell, directory: Path) -> BodyMesh:
-    """Generate or read the surface; its rims are the group ``boundary``.
+    """Generate or read the surface; its rims are the group ``boundary``, lips of slits the group ``slits``.
 
     Raises:
         MeshError: The mesh is unusable.
     """
     body = _read(shell.mesh, directory) if shell.mesh is not None else BodyMesh(_generated(shell))
-    topology = shell_edges(body.mesh.triangles)
-    rim = np.unique(topology.edges[topology.edge_faces[:, 1] < 0])
-    groups = dict(body.mesh.node_groups)
-    if rim.size:
-        groups["boundary"] = rim
-    return replace(body, mesh=replace(body.mesh, node_groups=groups))
+    rim = rim_sides(body.mesh.triangles)
+    groups, notes = dict(body.mesh.node_groups), body.mesh.notes
+    if shell.mesh is not None and shell.mesh.slits == "open":
+        lips = on_each_other(body.mesh.nodes, rim)
+        groups.update(_named("slits", rim[lips]))
+        rim = rim[~lips]
+        if not lips.any():
+            notes = (*notes, "No rims lie on each other: there is no slit to open.")
+    groups.update(_named("boundary", rim))
+    return replace(body, mesh=replace(body.mesh, node_groups=groups, notes=notes))
+
+
+def _named(name: str, sides: IntArray) -> dict[str, IntArray]:
+    """The group of the nodes of sides, if there are any."""
+    return {name: np.unique(sides)} if sides.size else {}
 
 
 def _read(source: SurfaceFile, directory: Path) -> BodyMesh:
     path = directory / source.file
-    mesh = read_mesh(path, source.weld / source.scale)
+    allowed = Allowed(
+        weld=source.weld / source.scale, slits=source.slits == "open", branches=source.branches != "refuse"
+    )
+    mesh = read_mesh(path, allowed)
     if source.group is not None and source.group not in mesh.triangle_groups:
         known = ", ".join(sorted(mesh.triangle_groups)) or "none"
         raise MeshError(f"{source.file} has no group of triangles '{source.group}'; it has: {known}")
@@ -91,7 +105,8 @@ def _read(source: SurfaceFile, directory: Path) -> BodyMesh:
     if source.flip:
         triangles = reverse(triangles, np.ones(len(triangles), dtype=np.bool_))
     notes = part.mesh.notes
-    if (inward := inward_surfaces(part.mesh.nodes, triangles)) > 0:
+    branched = bool((side_counts(triangles) > 2).any())
+    if not branched and (inward := inward_surfaces(part.mesh.nodes, triangles)) > 0:
         closed = "closed surface" if inward == 1 else f"{inward} closed surfaces"
         how = "false" if source.flip else "true"
         notes = (

@@ -10,6 +10,7 @@ from ..scene import Scene
 from ..structure.structure import Structure
 from .rod_drives import driven_rods
 from .rods import RodEnergies, rod_energies
+from .seams import seam_energies
 from .shell_drives import driven_shells
 from .shells import shell_energies
 from .stubs import stub_springs
@@ -41,5 +42,6 @@ def make_elastic(scene: Scene, structure: Structure) -> Elastic:
         *stub_springs(scene, structure),
         *weld_energies(scene, structure),
         *driven_shells(scene, structure, shells),
+        *seam_energies(structure),
     )
     return Elastic(rods, terms)

@@ -16,7 +16,7 @@ from ...forces.pressure import pressure as pressure_term
 from ...forces.thrust import thrust as thrust_term
 from ...mesh.measure import edge_lengths, nodal_areas, nodal_lengths
 from ...mesh.topology.shells import rims
-from ...mesh.topology.sides import half_edges
+from ...mesh.topology.sides import half_edges, side_counts
 from ...model.term import Term
 from ...scenario.language.force import (
     Aerodynamic,
@@ -70,6 +70,7 @@ def area_damping(scene: Scene, structure: Structure, place: Place, force: AreaDa
 def pressure(scene: Scene, structure: Structure, place: Place, force: Pressure) -> Iterator[Term]:
     """Pressure on a shell."""
     triangles = structure.shell_edges.bodies[force.shell].triangles
+    _refuse_branches(scene, place, force.shell, triangles)
     yield pressure_term(place.name, structure.dofs, triangles, scene.laws(force.pressure))
 
 
@@ -81,6 +82,7 @@ def thrust(scene: Scene, structure: Structure, place: Place, force: Thrust) -> I
     """
     geometry, dofs = scene.geometry, structure.dofs
     triangles = structure.shell_edges.bodies[force.shell].triangles
+    _refuse_branches(scene, place, force.shell, triangles)
     openings = rims(triangles)
     if openings != 1:
         raise scene.error(
@@ -102,6 +104,20 @@ def thrust(scene: Scene, structure: Structure, place: Place, force: Thrust) -> I
         direction=np.array(force.direction),
         shares=shares,
     )
+
+
+def _refuse_branches(scene: Scene, place: Place, name: str, triangles: IntArray) -> None:
+    """Sheets that meet three and more at an edge have no common side for pressure to act on.
+
+    Raises:
+        ScenarioError: The shell branches.
+    """
+    if (side_counts(triangles) > 2).any():
+        raise scene.error(
+            place.key("shell"),
+            f"'{name}' branches, so that its sheets have no common side: take each as a shell of its "
+            "own, by 'group', and join them by a 'seam'",
+        )
 
 
 def line_load(scene: Scene, structure: Structure, place: Place, force: LineLoad) -> Iterator[Term]:
@@ -137,6 +153,14 @@ def line_moment(scene: Scene, structure: Structure, place: Place, force: LineMom
             place.key("where"),
             "selects no edge, two nodes of a side, of a shell with bending: midedge, whose normals it turns",
         )
+    turned = structure.shell_edges.normals[edges]
+    # Sheets that are welded have one normal: a moment on the edge turns it once.
+    edges = edges[np.unique(turned, return_index=True)[1]]
+    if len(np.unique(np.sort(with_normals[edges], axis=1), axis=0)) < len(edges):
+        raise scene.error(
+            place.key("where"),
+            "selects an edge where sheets turn freely against each other: a moment on which?",
+        )
     stored = structure.normals.edge_places(edges)[:, :3]
     tails, heads = (dofs.of_nodes(with_normals[edges, k]) for k in (0, 1))
     lengths = edge_lengths(scene.geometry.nodes, with_normals[edges])
@@ -148,7 +172,9 @@ def line_moment(scene: Scene, structure: Structure, place: Place, force: LineMom
         label = f"{place.name}.{'xyz'[axis]}"
         across = np.empty(0, dtype=np.int64)
         yield EdgeMoment(f"{label}.couple", tails, heads, across, dofs.axes, moments, law)
-        yield EdgeTorque(f"{label}.torque", tails, heads, dofs.of_normals(edges), stored, moments, law)
+        yield EdgeTorque(
+            f"{label}.torque", tails, heads, structure.normals.angles[edges], stored, moments, law
+        )
 
 
 def _nodal_areas(scene: Scene, structure: Structure, names: Sequence[str] | None) -> FloatArray:

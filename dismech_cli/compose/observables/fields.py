@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TypeAlias, get_args
+from typing import Any, TypeAlias, get_args
 
 import numpy as np
 
+from ...arrays import FloatArray, IntArray
 from ...kinematics.rod_frames import RodFrames
 from ...output.frame import Topology
 from ...run.observables.corners import CornerStrains, NoCorners
@@ -28,6 +29,7 @@ from ...run.observables.shell_fields import AmongCells, AreaStrainField, Bending
 from ...scenario.language.output import ShellField
 from ..elastic.planar import PLANAR_AXIS
 from ..elastic.rods import RodEnergies
+from ..elastic.seams import SEAMS
 from ..scene import Scene
 from ..shells.bending import bending_of
 from ..structure.plan import Bending
@@ -149,24 +151,30 @@ def _area_strain(scene: Scene, structure: Structure, rods: RodEnergies) -> Field
 
 
 def _bending_energy_density(scene: Scene, structure: Structure, rods: RodEnergies) -> Field:
-    from scipy.sparse import csr_array
-
     geometry = scene.geometry
-    areas = geometry.areas
     shares = []
     for name, body in structure.shell_edges.bodies.items():
         own = geometry.triangles_of(name)
-        if bending_of(body.shell).at_hinges:
-            faces = own[body.topology.hinge_faces]
-            stencils, weight = np.repeat(np.arange(len(faces)), 2), 0.5
-        else:
-            faces, stencils, weight = own, np.arange(len(own)), 1.0
-        rows = faces.reshape(-1)
-        matrix = csr_array(
-            (weight / areas[rows], (rows, stencils)), shape=(len(areas), int(stencils.max(initial=-1)) + 1)
-        )
-        shares.append((f"{name}.bending", matrix))
+        at_hinges = bending_of(body.shell).at_hinges
+        faces = own[body.topology.hinge_faces] if at_hinges else own[:, None]
+        shares.append((f"{name}.bending", _shared(faces, geometry.areas)))
+    if len(structure.shell_edges.seams.faces):
+        shares.append((SEAMS, _shared(structure.shell_edges.seams.faces, geometry.areas)))
     return BendingEnergyField(tuple(shares))
+
+
+def _shared(faces: IntArray, areas: FloatArray) -> Any:
+    """Sparse matrix (T, S) from energies of stencils to energies per area, in equal parts.
+
+    Args:
+        faces: Triangles of each stencil, shape (S, m).
+        areas: Of all triangles [m^2], shape (T,).
+    """
+    from scipy.sparse import csr_array
+
+    count, parts = faces.shape
+    rows, stencils = faces.reshape(-1), np.repeat(np.arange(count), parts)
+    return csr_array((1.0 / parts / areas[rows], (rows, stencils)), shape=(len(areas), count))
 
 
 FIELDS: dict[str, Maker] = {

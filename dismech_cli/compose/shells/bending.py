@@ -12,14 +12,10 @@ from ...energies.midedge_averaged import midedge_averaged_term
 from ...mesh.measure import edge_lengths
 from ...model.stencil import StencilEnergy
 from ...scenario.language.geometry import Shell
-from ...sections.shells import (
-    hinge_springs,
-    hinge_stiffness,
-    midedge_springs,
-    weighted_hinge_stiffness,
-)
+from ...sections.shells import hinge_springs, midedge_springs
 from ..bodies.shell import ShellProperties
 from .body import Ground, ShellBody
+from .hinges import hinges_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,19 +85,11 @@ def _averaged(body: ShellBody, ground: Ground) -> StencilEnergy:
 
 
 def _hinge(body: ShellBody, ground: Ground) -> StencilEnergy:
-    stiffness = HINGES[body.shell.hinges or "equal"](body, ground.positions)
-    return hinge_term(_name(body), ground.dofs, ground.positions, body.topology.hinges, stiffness)
-
-
-def _equal_hinges(body: ShellBody, positions: FloatArray) -> FloatArray:
-    return hinge_stiffness(body.sheet.youngs_modulus, body.sheet.thickness, len(body.topology.hinges))
-
-
-def _weighted_hinges(body: ShellBody, positions: FloatArray) -> FloatArray:
     edges = body.topology.hinge_edges
-    lengths = edge_lengths(positions, body.topology.edges)[edges]
-    around = body.adjacent_areas(positions)[edges]
-    return weighted_hinge_stiffness(body.sheet.youngs_modulus, body.sheet.thickness, lengths, around)
+    lengths = edge_lengths(ground.positions, body.topology.edges)[edges]
+    around = body.adjacent_areas(ground.positions)[edges]
+    stiffness = body.share * hinges_of(body.shell).whole(body.sheet, lengths, around)
+    return hinge_term(_name(body), ground.dofs, ground.positions, body.topology.hinges, stiffness)
 
 
 def _family_of_hinges(sheet: ShellProperties, lengths: FloatArray) -> FloatArray:
@@ -144,9 +132,3 @@ SHELL_BENDING: Mapping[str, ShellBending] = {
         plate="a plate on nearly equilateral triangles",
     ),
 }
-
-HINGES: Mapping[str, Callable[[ShellBody, FloatArray], FloatArray]] = {
-    "equal": _equal_hinges,
-    "weighted": _weighted_hinges,
-}
-"""Stiffness of the hinges of a shell at its rest positions (n_nodes, 3) [N m], shape (H,)."""

@@ -24,6 +24,7 @@ class ShellBody:
         triangles: Its triangles, shape (T, 3).
         topology: Its edges and hinges, in the scene's node numbers.
         first: Number of its first edge among those that carry a normal.
+        share: Part of the stiffness of each hinge that is left beside sheets welded to it, shape (H,).
     """
 
     shell: Shell
@@ -31,6 +32,7 @@ class ShellBody:
     triangles: IntArray
     topology: ShellTopology
     first: int
+    share: FloatArray
 
     def adjacent_areas(self, positions: FloatArray) -> FloatArray:
         """Area of the triangles at each edge [m^2], shape (B,)."""

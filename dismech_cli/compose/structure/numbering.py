@@ -31,7 +31,7 @@ def number_dofs(plan: Plan, skeleton: Skeleton, shell_edges: ShellEdges) -> Numb
     n_angles = len(skeleton.edges) if plan.bending is Bending.FRAMED else 0
     hidden = [axis for axis in range(3) if axis not in plan.axes]
     level = float(skeleton.positions[0, hidden[0]]) if hidden else 0.0
-    n_nodes, n_normals = len(skeleton.positions), len(shell_edges.edges)
+    n_nodes, n_normals = len(skeleton.positions), shell_edges.n_normals
     dofs = DofMap(n_nodes, n_angles, plan.axes, skeleton.visible, level, n_normals)
     rest = np.zeros(dofs.n)
     rest[: dofs.n_positions] = dofs.project(skeleton.positions).reshape(-1)

@@ -67,7 +67,7 @@ class _Holder:
                 self._along(index, label, held, path.displacement[axis], one.release, path.places)
         if dofs.n_angles:
             self._along(index, f"{one.name} twist", dofs.of_angles(self._edges(one)), one.twist, one.release)
-        self._along(index, f"{one.name} normals", dofs.of_normals(self._normals(one)), ZERO, one.release)
+        self._along(index, f"{one.name} normals", self._turns(self._normals(one)), ZERO, one.release)
 
     def carry(self, index: int, one: Hold, rigid: Rigid) -> None:
         """Hold what turns as a rigid body, edges and normals with it."""
@@ -109,7 +109,7 @@ class _Holder:
         tails, heads = self._ends(structure.shell_edges.edges[normals])
         yield CarriedNormals(
             f"{one.name} normals",
-            dofs.of_normals(normals),
+            self._turns(normals),
             normals,
             tails,
             heads,
@@ -156,7 +156,13 @@ class _Holder:
         return self._structure.skeleton.behind(one)
 
     def _normals(self, one: Hold) -> IntArray:
-        return np.flatnonzero(np.isin(self._structure.shell_edges.edges, one.sloped).all(axis=1))
+        """Edges whose normals are held, one for each normal: those that are welded turn as one."""
+        edges = self._structure.shell_edges
+        held = np.flatnonzero(np.isin(edges.edges, one.sloped).all(axis=1))
+        return held[np.unique(edges.normals[held], return_index=True)[1]]
+
+    def _turns(self, edges: IntArray) -> IntArray:
+        return self._structure.normals.angles[edges]
 
     def _ends(self, edges: IntArray) -> tuple[IntArray, IntArray]:
         dofs = self._structure.dofs

@@ -84,10 +84,14 @@ def make_structure(scene: Scene, holds: tuple[Hold, ...], plan: Plan) -> Structu
         dofs=dofs,
         rest=numbering.rest,
         rod_frames=rods,
-        normals=ShellFrames.of(dofs, rods, edges.edges, edges.edge_faces, edges.triangles, driver),
+        normals=_normals(dofs, rods, edges, driver),
         payload=point_masses(scene, dofs.n_nodes),
         driver=driver,
     )
+
+
+def _normals(dofs: DofMap, rods: Frames, edges: ShellEdges, driver: Driver) -> ShellFrames:
+    return ShellFrames.of(dofs, rods, edges.edges, edges.normals, edges.edge_faces, edges.triangles, driver)
 
 
 def typical_length(scene: Scene, structure: Structure) -> float:

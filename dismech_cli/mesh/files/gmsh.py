@@ -14,6 +14,7 @@ import numpy as np
 from ...arrays import IntArray
 from ...errors import MeshError
 from ...file_text import decode
+from ..allowed import PLAIN, Allowed
 from ..mesh import Mesh
 from ..topology.sides import half_edges
 from ..validate import validate
@@ -27,7 +28,7 @@ _FOREIGN = re.compile(rb"\xff\xfe|\xfe\xff|(?:\xef\xbb\xbf)?\$MeshFormat[ \t]*\r
 _UNNAMED = ("point", "curve", "surface")
 
 
-def read_gmsh(path: Path, weld: float = 0.0) -> Mesh:
+def read_gmsh(path: Path, allowed: Allowed = PLAIN) -> Mesh:
     """Read a gmsh mesh, version 2.2 or 4.1, text or binary.
 
     Physical groups become groups of nodes, edges and triangles. A line that is a side of a
@@ -36,7 +37,7 @@ def read_gmsh(path: Path, weld: float = 0.0) -> Mesh:
     Raises:
         MeshError: If the file cannot be read or describes an unusable mesh.
     """
-    return parse_gmsh(_plain(load_bytes(path)), str(path), weld)
+    return parse_gmsh(_plain(load_bytes(path)), str(path), allowed)
 
 
 def _plain(data: bytes) -> bytes:
@@ -44,14 +45,14 @@ def _plain(data: bytes) -> bytes:
     return decode(data, "replace").encode() if _FOREIGN.match(data) else data
 
 
-def parse_gmsh(data: bytes, where: str, weld: float = 0.0) -> Mesh:
+def parse_gmsh(data: bytes, where: str, allowed: Allowed = PLAIN) -> Mesh:
     """Parse the bytes of a gmsh file; ``where`` names it in messages.
 
     Raises:
         MeshError: If the bytes are malformed or describe an unusable mesh.
     """
     guarded = guard(data, where)
-    return _assemble(_read(guarded.data, where), guarded, where, weld)
+    return _assemble(_read(guarded.data, where), guarded, where, allowed)
 
 
 def _read(data: bytes, where: str) -> Any:
@@ -88,7 +89,7 @@ class _Table:
         return builder.build()
 
 
-def _assemble(source: Any, guarded: Guarded, where: str, weld: float) -> Mesh:
+def _assemble(source: Any, guarded: Guarded, where: str, allowed: Allowed) -> Mesh:
     """Build and validate the mesh from meshio's cell blocks."""
     members = GroupBuilder()
     blocks: dict[int, list[_Table]] = {
@@ -118,7 +119,7 @@ def _assemble(source: Any, guarded: Guarded, where: str, weld: float) -> Mesh:
         triangle_groups=faces.groups(),
         notes=tuple(notes),
     )
-    return validate(mesh, where, weld=weld)
+    return validate(mesh, where, allowed=allowed)
 
 
 def _titles(source: Any, guarded: Guarded, number: int, dimension: int) -> list[tuple[str, ...]]:

@@ -12,6 +12,7 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...errors import MeshError
+from ..allowed import PLAIN, Allowed
 from ..limits import check_count
 from ..mesh import Mesh
 from ..validate import Lines, validate
@@ -48,7 +49,7 @@ class _Parsed:
         return tuple(dict.fromkeys(self.group + self.body + self.material))
 
 
-def read_obj(path: Path, weld: float = 0.0) -> Mesh:
+def read_obj(path: Path, allowed: Allowed = PLAIN) -> Mesh:
     """Read a Wavefront OBJ mesh.
 
     ``f`` (v, v/vt, v//vn, v/vt/vn, negative numbers too) gives triangles, polygons are cut;
@@ -58,10 +59,10 @@ def read_obj(path: Path, weld: float = 0.0) -> Mesh:
     Raises:
         MeshError: If the file cannot be read or describes an unusable mesh.
     """
-    return parse_obj(load_text(path), str(path), weld)
+    return parse_obj(load_text(path), str(path), allowed)
 
 
-def parse_obj(text: str, where: str, weld: float = 0.0) -> Mesh:
+def parse_obj(text: str, where: str, allowed: Allowed = PLAIN) -> Mesh:
     """Parse the text of an OBJ file; ``where`` names it in messages.
 
     Raises:
@@ -71,7 +72,7 @@ def parse_obj(text: str, where: str, weld: float = 0.0) -> Mesh:
     for number, line in _logical_lines(text):
         keyword, *tokens = line.split()
         _parse_line(parsed, keyword, tokens, number, f"{where}:{number}")
-    return _assemble(parsed, where, weld)
+    return _assemble(parsed, where, allowed)
 
 
 def _logical_lines(text: str) -> Iterator[tuple[int, str]]:
@@ -149,7 +150,7 @@ def _node_indices(tokens: list[str], known: int, place: str) -> list[int]:
     return indices
 
 
-def _assemble(parsed: _Parsed, where: str, weld: float) -> Mesh:
+def _assemble(parsed: _Parsed, where: str, allowed: Allowed) -> Mesh:
     count = check_count(len(parsed.nodes), "nodes", where)
     nodes, notes = in_space(parsed.nodes, parsed.node_lines, where)
     triangles: list[tuple[int, int, int]] = []
@@ -182,7 +183,7 @@ def _assemble(parsed: _Parsed, where: str, weld: float) -> Mesh:
         edges=np.array(parsed.edge_lines, dtype=np.int64),
         triangles=np.array(triangle_lines, dtype=np.int64),
     )
-    return validate(mesh, where, lines, weld)
+    return validate(mesh, where, lines, allowed)
 
 
 def _cut(face: list[int], nodes: FloatArray) -> list[tuple[int, int, int]]:

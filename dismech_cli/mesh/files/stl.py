@@ -9,6 +9,7 @@ import numpy as np
 from ...arrays import FloatArray, IntArray
 from ...errors import MeshError
 from ...file_text import decode
+from ..allowed import PLAIN, Allowed
 from ..limits import check_count
 from ..mesh import Mesh
 from ..validate import Lines, validate
@@ -19,24 +20,28 @@ _HEAD, _FACET = 84, 50
 _FRAME = frozenset(("facet", "outer", "endfacet", "endsolid", "color"))
 
 
-def read_stl(path: Path, weld: float = 0.0) -> Mesh:
+def read_stl(path: Path, allowed: Allowed = PLAIN) -> Mesh:
     """Read an STL mesh; corners at the same place are one node, named solids are groups.
 
     Raises:
         MeshError: If the file cannot be read or describes an unusable mesh.
     """
-    return parse_stl(load_bytes(path), str(path), weld)
+    return parse_stl(load_bytes(path), str(path), allowed)
 
 
-def parse_stl(data: bytes, where: str, weld: float = 0.0) -> Mesh:
+def parse_stl(data: bytes, where: str, allowed: Allowed = PLAIN) -> Mesh:
     """Parse the bytes of an STL file; ``where`` names it in messages.
 
     Raises:
         MeshError: If the bytes are malformed or describe an unusable mesh.
     """
+    if allowed.slits:
+        raise MeshError(
+            f"{where}: corners at one place are one node in STL files: their slits are lost"
+        )
     if data[:5] != b"solid" or _announced(data) == len(data):
-        return validate(_joined(_binary(data, where)), where, weld=weld)
-    return _text(decode(data, "replace"), where, weld)
+        return validate(_joined(_binary(data, where)), where, allowed=allowed)
+    return _text(decode(data, "replace"), where, allowed)
 
 
 def _announced(data: bytes) -> int:
@@ -59,7 +64,7 @@ def _binary(data: bytes, where: str) -> FloatArray:
         return corners.astype(np.float64)
 
 
-def _text(text: str, where: str, weld: float) -> Mesh:
+def _text(text: str, where: str, allowed: Allowed) -> Mesh:
     corners: list[list[float]] = []
     lines: list[int] = []
     members = GroupBuilder()
@@ -84,7 +89,7 @@ def _text(text: str, where: str, weld: float) -> Mesh:
         raise MeshError(f"{where}: ends within a facet")
     check_count(len(lines), "triangles", where)
     mesh = _joined(np.array(corners, dtype=np.float64).reshape(-1, 3), members.build())
-    return validate(mesh, where, Lines(triangles=np.array(lines, dtype=np.int64)), weld)
+    return validate(mesh, where, Lines(triangles=np.array(lines, dtype=np.int64)), allowed)
 
 
 def _joined(corners: FloatArray, groups: dict[str, IntArray] | None = None) -> Mesh:

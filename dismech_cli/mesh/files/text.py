@@ -8,6 +8,7 @@ import numpy as np
 
 from ...arrays import IntArray
 from ...errors import MeshError
+from ..allowed import PLAIN, Allowed
 from ..limits import check_count
 from ..mesh import Mesh
 from ..validate import Lines, validate
@@ -26,7 +27,7 @@ _SECTIONS = {
 """Rows of each section, by its name in lower case: older files call them otherwise."""
 
 
-def read_text(path: Path, weld: float = 0.0) -> Mesh:
+def read_text(path: Path, allowed: Allowed = PLAIN) -> Mesh:
     """Read a DiSMech text mesh.
 
     Node numbers count from 1; sections come in any order, ``#`` starts a comment, blank lines are
@@ -35,10 +36,10 @@ def read_text(path: Path, weld: float = 0.0) -> Mesh:
     Raises:
         MeshError: If the file cannot be read or describes an unusable mesh.
     """
-    return parse_text(load_text(path), str(path), weld)
+    return parse_text(load_text(path), str(path), allowed)
 
 
-def parse_text(text: str, where: str, weld: float = 0.0) -> Mesh:
+def parse_text(text: str, where: str, allowed: Allowed = PLAIN) -> Mesh:
     """Parse the text of a DiSMech mesh; ``where`` names it in messages.
 
     Raises:
@@ -99,7 +100,7 @@ def parse_text(text: str, where: str, weld: float = 0.0) -> Mesh:
             edges=np.array(lines["edges"], dtype=np.int64),
             triangles=np.array(lines["triangles"], dtype=np.int64),
         ),
-        weld,
+        allowed,
     )
 
 

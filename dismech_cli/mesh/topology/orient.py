@@ -18,7 +18,7 @@ def reversed_triangles(triangles: IntArray, where: str) -> BoolArray:
     that reverses fewer triangles is taken; a patch that stays in one piece is not orientable.
 
     Args:
-        triangles: Manifold triangles, shape (T, 3).
+        triangles: Shape (T, 3); sheets that meet three and more at an edge wind each for itself.
         where: Names the mesh in messages.
 
     Returns:

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...arrays import IntArray
-from ...errors import MeshError
+from ...arrays import BoolArray, IntArray
 from .components import components
 from .sides import half_edges, rim_sides
 
@@ -36,6 +35,20 @@ class ShellTopology:
     edge_faces: IntArray
 
 
+def directed(topology: ShellTopology, turned: BoolArray) -> ShellTopology:
+    """The same surface with some of its edges running the other way; its hinges stay.
+
+    Args:
+        topology: The surface.
+        turned: True for edges to turn, shape (B,).
+    """
+    return replace(
+        topology,
+        edges=np.where(turned[:, None], topology.edges[:, ::-1], topology.edges),
+        face_signs=np.where(turned[topology.face_edges], -topology.face_signs, topology.face_signs),
+    )
+
+
 def rims(triangles: IntArray) -> int:
     """Number of closed lines of sides that have one triangle only."""
     nodes, ends = np.unique(rim_sides(triangles), return_inverse=True)
@@ -48,25 +61,25 @@ def shell_edges(triangles: IntArray) -> ShellTopology:
     Triangles are visited in order, and in each the edges opposite its corners 1, 2, 3. An edge
     keeps the direction in which it is first met; the second meeting makes a hinge.
 
+    An edge of three and more triangles is one edge for each of them, with one triangle: what passes
+    across it is not the surface's to say.
+
     Args:
         triangles: Shape (T, 3).
-
-    Raises:
-        MeshError: If more than two triangles share an edge.
     """
     directed = half_edges(triangles)
     _, first, inverse, counts = np.unique(
         np.sort(directed, axis=1), axis=0, return_index=True, return_inverse=True, return_counts=True
     )
-    if len(counts) and counts.max() > 2:
-        a, b = directed[first[np.argmax(counts)]] + 1
-        raise MeshError(
-            f"{counts.max()} triangles share the edge between nodes {a} and {b}; expected at most 2"
-        )
+    key = inverse.ravel()
+    crowded = counts[key] > 2
+    if crowded.any():
+        key = np.where(crowded, len(counts) + np.arange(len(key)), key)
+        _, first, key = np.unique(key, return_index=True, return_inverse=True)
     # np.unique numbers edges by their nodes; discovery order numbers them by first appearance.
     discovery = np.empty(len(first), dtype=np.int64)
     discovery[np.argsort(first)] = np.arange(len(first))
-    edge = discovery[inverse.ravel()]
+    edge = discovery[key]
     found = np.sort(first)
     edges = directed[found]
 

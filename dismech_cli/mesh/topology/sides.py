@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...arrays import IntArray
+from ...arrays import BoolArray, IntArray
 
 
 def half_edges(triangles: IntArray) -> IntArray:
@@ -22,25 +22,45 @@ def half_edges(triangles: IntArray) -> IntArray:
 
 
 def shared_sides(triangles: IntArray) -> tuple[IntArray, IntArray]:
-    """Pair up the half-edges that lie on each other.
+    """Pair up the half-edges that lie on each other, two by two; more at an edge are left out.
 
     Args:
-        triangles: Manifold triangles, shape (T, 3).
+        triangles: Shape (T, 3).
 
     Returns:
         Rows of :func:`half_edges`, the earlier and the later one of each pair, shape (pairs,) each.
     """
+    order, same = _sorted_sides(triangles)
+    before, after = (np.concatenate(([False], same))[:-1], np.concatenate((same, [False]))[1:])
+    pair = same & ~before & ~after
+    return order[:-1][pair], order[1:][pair]
+
+
+def neighbours(triangles: IntArray) -> tuple[IntArray, IntArray]:
+    """Half-edges that lie on each other, each with the next: m at an edge make a chain of m - 1 pairs."""
+    order, same = _sorted_sides(triangles)
+    return order[:-1][same], order[1:][same]
+
+
+def _sorted_sides(triangles: IntArray) -> tuple[IntArray, BoolArray]:
+    """An order of the half-edges that puts together those of an edge, and which are as the one before."""
     ordered = np.sort(half_edges(triangles), axis=1)
     order = np.lexsort((ordered[:, 1], ordered[:, 0]))
-    shared = (ordered[order[1:]] == ordered[order[:-1]]).all(axis=1)
-    return order[:-1][shared], order[1:][shared]
+    return order, (ordered[order[1:]] == ordered[order[:-1]]).all(axis=1)
 
 
 def rim_sides(triangles: IntArray) -> IntArray:
     """Half-edges that belong to one triangle only, the triangle on their left, shape (rim, 2)."""
     sides = half_edges(triangles)
+    rim: IntArray = sides[side_counts(triangles) == 1]
+    return rim
+
+
+def side_counts(triangles: IntArray) -> IntArray:
+    """Number of triangles at the edge of each half-edge, shape (3 T,)."""
+    sides = half_edges(triangles)
     low, high = sides.min(axis=1), sides.max(axis=1)
     keys = low * (high.max(initial=0) + 1) + high
     _, inverse, counts = np.unique(keys, return_inverse=True, return_counts=True)
-    rim: IntArray = sides[counts[inverse.reshape(-1)] == 1]
-    return rim
+    found: IntArray = counts[inverse.reshape(-1)]
+    return found

@@ -15,6 +15,7 @@ from ..language.numerics import Static
 from ..language.output import RodField, ShellField
 from ..language.probe import StabilityProbe
 from ..language.scenario import Scenario
+from ..language.seam import Seam
 from ..text.tree import KeyPath
 from ..values.law import PLACES, ExpressionLaw
 from ..views.walk import probes, walk
@@ -37,8 +38,23 @@ def findings(scenario: Scenario) -> Iterator[Finding]:
     yield from _expressions(scenario)
     yield from _forces(scenario)
     yield from _materials(scenario)
+    yield from _seams(scenario)
     yield from _output(scenario)
     yield from _expectations(scenario)
+
+
+def _seams(scenario: Scenario) -> Iterator[Finding]:
+    models = {shell.name: shell.bending for shell in scenario.shells.values()}
+    for i, joint in enumerate(scenario.joints):
+        if not isinstance(joint, Seam) or joint.bending == "hinge":
+            continue
+        found = sorted({models[name] for name in joint.shells if name in models})
+        if len(found) > 1 or "averaged" in found:
+            yield (
+                ("joints", i, "bending"),
+                f"shells with bending: {listed(found, 'and')} cannot be welded; "
+                "take 'midedge' for all, or 'hinge'",
+            )
 
 
 def _dimension(scenario: Scenario) -> Iterator[Finding]:

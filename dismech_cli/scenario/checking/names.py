@@ -9,6 +9,7 @@ from ..language.actuation import ShellActuation
 from ..language.geometry import Body, Shell
 from ..language.probe import MeanPositionProbe
 from ..language.scenario import Scenario
+from ..language.seam import Seam
 from ..values.selection import EdgeSelection, GroupSelection, NodeSelection
 from ..views.walk import probes, walk
 from .finding import Finding
@@ -115,6 +116,9 @@ def _shell_names(scenario: Scenario) -> Iterator[Finding]:
     for i, part in enumerate(scenario.actuation):
         if isinstance(part, ShellActuation):
             named.append((("actuation", i, "shell"), part.shell))
+    for i, joint in enumerate(scenario.joints):
+        if isinstance(joint, Seam):
+            named += [(("joints", i, "shells", k), name) for k, name in enumerate(joint.shells)]
     for path, name in named:
         if name not in shells:
             yield path, _unnamed("shell", name, shells, scenario)

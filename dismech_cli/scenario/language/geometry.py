@@ -38,6 +38,9 @@ _ROTATE = Field(default=None, description="Turns the mesh, once scaled.")
 _MOVE = Field(default=(0.0, 0.0, 0.0), description="Moves the mesh, once scaled and turned.")
 
 
+Slits: TypeAlias = Literal["refuse", "open"]
+
+
 class MeshFile(Spec):
     """A centreline read from a mesh file."""
 
@@ -49,6 +52,16 @@ class MeshFile(Spec):
     weld: Annotated[float, Quantity("length", ge=0)] = _WELD
     rotate: Rotation | None = _ROTATE
     move: LengthTriple = _MOVE
+    slits: Slits = Field(
+        default="refuse",
+        description="Nodes of the file at one place: `refuse`, or `open` where they are the lips of slits "
+        "in its shells.",
+    )
+
+    @model_validator(mode="after")
+    def _sound(self) -> MeshFile:
+        _weld_or_slits(self)
+        return self
 
 
 class NaturalStrain(Spec):
@@ -100,6 +113,11 @@ class Rod(Spec):
         return RoundSection(type="round", radius=self.radius)
 
 
+def _weld_or_slits(source: MeshFile | SurfaceFile) -> None:
+    if source.slits == "open" and source.weld > 0.0:
+        raise problem("'weld' makes the lips of slits one again; take it or slits: open, not both")
+
+
 class SurfaceFile(Spec):
     """A surface read from a mesh file; bodies of one file share the nodes they have in common."""
 
@@ -112,6 +130,21 @@ class SurfaceFile(Spec):
     rotate: Rotation | None = _ROTATE
     move: LengthTriple = _MOVE
     flip: bool = Field(default=False, description="Turns the normals to the other side.")
+    slits: Slits = Field(
+        default="refuse",
+        description="Nodes of the file at one place: `refuse`, or `open` leaves them apart, as the lips of "
+        "slits of no width; these are the group `slits`, not part of `boundary`.",
+    )
+    branches: Literal["refuse", "weld", "hinge"] = Field(
+        default="refuse",
+        description="Three and more sheets at an edge: `refuse`; `weld` keeps their angles as a rigid edge "
+        "between elastic sheets does; `hinge` lets each turn freely.",
+    )
+
+    @model_validator(mode="after")
+    def _sound(self) -> SurfaceFile:
+        _weld_or_slits(self)
+        return self
 
 
 class NaturalShape(Spec):
@@ -156,6 +189,10 @@ class Shell(Spec):
         exactly_one(self, "generate", "mesh")
         if self.hinges is not None and self.bending != "hinge":
             raise problem(f"'hinges' has a meaning with bending: hinge only, got {self.bending!r}")
+        if self.mesh is not None and self.mesh.branches == "weld" and self.bending == "averaged":
+            raise problem("bending: averaged knows no weld of branches; take 'midedge' or 'hinge'")
+        if self.mesh is not None and self.mesh.branches != "refuse" and self.membrane == "family":
+            raise problem("membrane: family would count the springs of branching edges once for each sheet")
         return self
 
 

@@ -9,6 +9,7 @@ from pydantic import Field, model_validator
 from ..values.quantity import PositiveLength
 from ..values.selection import JoinedNode, JoinedPair
 from ..values.spec import Spec, exactly_one, problem
+from .seam import Seam
 
 
 class RigidJoint(Spec):
@@ -51,4 +52,4 @@ class HingeJoint(Spec):
         return self
 
 
-Joint: TypeAlias = Annotated[RigidJoint | HingeJoint, Field(discriminator="type")]
+Joint: TypeAlias = Annotated[RigidJoint | HingeJoint | Seam, Field(discriminator="type")]

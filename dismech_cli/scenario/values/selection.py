@@ -27,6 +27,8 @@ class Selects(Enum):
     """Edges of rods."""
     JOINED = auto()
     """One node for a joint, of the bodies as they are before."""
+    SEWN = auto()
+    """Nodes for a seam, likewise."""
 
 
 class IndexSet(Spec):
@@ -151,5 +153,6 @@ Selection: TypeAlias = Annotated[
 SelectedNodes: TypeAlias = Annotated[Selection, Selects.NODES]
 SelectedEdges: TypeAlias = Annotated[Selection, Selects.EDGES]
 JoinedNode: TypeAlias = Annotated[Selection, Selects.JOINED]
+SeamNodes: TypeAlias = Annotated[Selection, Selects.SEWN]
 TwoPlaces: TypeAlias = Annotated[tuple[SelectedNodes, ...], Len(2, 2), Strict(False)]
 JoinedPair: TypeAlias = Annotated[tuple[JoinedNode, ...], Len(2, 2), Strict(False)]
