@@ -18,7 +18,8 @@ from dismech_cli.compose.compose import compose
 from dismech_cli.compose.loads.table import BUILDERS
 from dismech_cli.compose.numerics import DRIVERS, build_integrator
 from dismech_cli.compose.observables.fields import FIELDS
-from dismech_cli.compose.shells.bending import HINGES, SHELL_BENDING
+from dismech_cli.compose.shells.bending import SHELL_BENDING
+from dismech_cli.compose.shells.hinges import HINGES
 from dismech_cli.compose.shells.membrane import MEMBRANES, TRIANGLES
 from dismech_cli.output.writers import WRITERS
 from dismech_cli.run.loop import End

@@ -64,6 +64,58 @@ def manta_ray(columns: int = 10) -> str:
     return text(np.array(nodes), [], triangles)
 
 
+def kirigami(cell: float = 2e-3, finer: int = 1) -> str:
+    """A strip of 32 x 24 mm with seven rows of slits across it, in turn one of 20 mm and two of 10 mm.
+
+    A slit has no width: the nodes on it, but for its tips, are doubled. The strip waves by 20 um, as none is
+    flat, which chooses the side to which each ribbon turns.
+    """
+    rows, columns, h = 12 * finer, 16 * finer, cell / finer
+    slits = {
+        column * finer: [(a * finer, b * finer) for a, b in spans]
+        for column, spans in zip(range(2, 16, 2), ([(1, 11)], [(0, 5), (7, 12)]) * 4, strict=False)
+    }
+
+    def place(i: int, j: int) -> tuple[float, float, float]:
+        wave = np.sin(np.pi * i / (2 * finer)) * np.cos(np.pi * j / (6 * finer))
+        return h * i, h * j, 2e-5 * wave
+
+    nodes = [place(i, j) for i in range(columns + 1) for j in range(rows + 1)]
+    right = {}  # number of the copy on the right lip
+    for i, spans in slits.items():
+        for a, b in spans:
+            for j in range(a, b + 1):
+                if a < j < b or j in (0, rows):
+                    right[i, j] = len(nodes)
+                    nodes.append(place(i, j))
+
+    def corner(i: int, j: int, cell: int) -> int:
+        return right.get((i, j), i * (rows + 1) + j) if i == cell else i * (rows + 1) + j
+
+    triangles: list[tuple[int, ...]] = []
+    for i in range(columns):
+        for j in range(rows):
+            a, b, c, d = (corner(i + di, j + dj, i) for di, dj in ((0, 0), (1, 0), (1, 1), (0, 1)))
+            triangles += ((a, b, c), (a, c, d)) if (i + j) % 2 == 0 else ((a, b, d), (b, c, d))
+    return text(np.array(nodes), [], triangles)
+
+
+def t_fin(columns: int = 80, rows: int = 4, fin: int = 32) -> str:
+    """A strip of 100 x 20 mm with a fin of 40 mm on the line across its middle, where three sheets meet."""
+    half = columns // 2
+    lines = [(0.1 * i / columns - 0.05, 0.0) for i in range(columns + 1)]
+    lines += [(0.0, 0.04 * k / fin) for k in range(1, fin + 1)]
+    nodes = [(x, 0.02 * j / rows, z) for x, z in lines for j in range(rows + 1)]
+    paths = [*pairwise(range(columns + 1)), *pairwise([half, *range(columns + 1, len(lines))])]
+    triangles: list[tuple[int, ...]] = []
+    for n, (one, two) in enumerate(paths):
+        for j in range(rows):
+            a, b = one * (rows + 1) + j, two * (rows + 1) + j
+            c, d = b + 1, a + 1
+            triangles += ((a, b, c), (a, c, d)) if (n + j) % 2 == 0 else ((a, b, d), (b, c, d))
+    return text(np.array(nodes), [], triangles)
+
+
 def text(nodes: np.ndarray, edges: list[tuple[int, int]], triangles: object) -> str:
     """A mesh in the DiSMech text format."""
     lines = ["*Nodes"]
@@ -75,7 +127,12 @@ def text(nodes: np.ndarray, edges: list[tuple[int, int]], triangles: object) -> 
     return "\n".join(lines) + "\n"
 
 
-MESHES = {"parachute.txt": parachute, "manta_ray.txt": manta_ray}
+MESHES = {
+    "parachute.txt": parachute,
+    "manta_ray.txt": manta_ray,
+    "kirigami.txt": kirigami,
+    "t_fin.txt": t_fin,
+}
 
 if __name__ == "__main__":
     for name, make in MESHES.items():

@@ -2,6 +2,7 @@
 
 import struct
 import tempfile
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 
@@ -15,8 +16,12 @@ from mesh_texts import BELL, HYBRID, MSH22, MSH41
 from dismech_cli.errors import MeshError
 from dismech_cli.mesh.files.gmsh import parse_gmsh
 from dismech_cli.mesh.files.obj import parse_obj
+from dismech_cli.mesh.files.off import parse_off
+from dismech_cli.mesh.files.ply import parse_ply
 from dismech_cli.mesh.files.stl import parse_stl
 from dismech_cli.mesh.files.text import parse_text
+from dismech_cli.mesh.files.vtk_legacy import parse_vtk_legacy
+from dismech_cli.mesh.files.vtk_xml import parse_vtk_xml
 from dismech_cli.mesh.mesh import Mesh
 
 NUMBERS = [b"nan", b"inf", b"-1", b"0", b"1e308", b"2.5", b"1_0", b"9" * 12, b"9" * 23]
@@ -40,6 +45,44 @@ def _binary(version: str) -> bytes:
         return path.read_bytes()
 
 
+DATA = Path(__file__).parents[1] / "data"
+PLY = """ply
+format ascii 1.0
+element vertex 4
+property float x
+property float y
+property float z
+element face 2
+property list uchar int vertex_indices
+end_header
+0 0 0
+1 0 0
+1 1 0
+0 1 0
+3 0 1 2
+3 0 2 3
+"""
+OFF = "OFF\n4 2 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2\n3 0 2 3\n"
+
+
+def _ply() -> bytes:
+    head = PLY.split("0 0 0")[0].replace("ascii", "binary_little_endian").encode()
+    nodes = struct.pack("<12f", 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0)
+    return head + nodes + b"".join(struct.pack("<B3i", 3, 0, one, one + 1) for one in (1, 2))
+
+
+def _other(name: str, **how: object) -> bytes:
+    points = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], dtype=float)
+    tags = [np.array([1, 2]), np.array([3])]
+    mesh = meshio.Mesh(
+        points, [("triangle", [[0, 1, 2], [0, 2, 3]]), ("line", [[1, 3]])], cell_data={"part": tags}
+    )
+    with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        meshio.write(Path(folder) / name, mesh, **how)
+        return (Path(folder) / name).read_bytes()
+
+
 READERS: dict[str, tuple[bytes, Callable[[bytes], Mesh]]] = {
     "text": (HYBRID.encode(), lambda data: parse_text(data.decode(errors="replace"), "m")),
     "obj": (BELL.encode(), lambda data: parse_obj(data.decode(errors="replace"), "m")),
@@ -52,6 +95,16 @@ READERS: dict[str, tuple[bytes, Callable[[bytes], Mesh]]] = {
         bytes(80) + struct.pack("<I12fH", 1, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1, 1, 0, 0),
         lambda data: parse_stl(data, "m"),
     ),
+    "ply": (PLY.encode(), lambda data: parse_ply(data, "m")),
+    "ply binary": (_ply(), lambda data: parse_ply(data, "m")),
+    "off": (OFF.encode(), lambda data: parse_off(data.decode(errors="replace"), "m")),
+    "vtk": (_other("g.vtk", file_format="vtk42", binary=False), lambda data: parse_vtk_legacy(data, "m")),
+    "vtk binary": (_other("g.vtk", file_format="vtk51"), lambda data: parse_vtk_legacy(data, "m")),
+    "vtk polygons": ((DATA / "polygons.vtk").read_bytes(), lambda data: parse_vtk_legacy(data, "m")),
+    "vtu": (_other("g.vtu", binary=False), lambda data: parse_vtk_xml(data, "m")),
+    "vtu packed": (_other("g.vtu", compression="zlib"), lambda data: parse_vtk_xml(data, "m")),
+    "vtu raw": ((DATA / "grid_raw.vtu").read_bytes(), lambda data: parse_vtk_xml(data, "m")),
+    "vtp raw": ((DATA / "polygons.vtp").read_bytes(), lambda data: parse_vtk_xml(data, "m")),
     "gmsh 4.1": (MSH41.encode(), lambda data: parse_gmsh(data, "m")),
     "gmsh 2.2": (MSH22.encode(), lambda data: parse_gmsh(data, "m")),
     "gmsh 4.1 binary": (_binary("gmsh"), lambda data: parse_gmsh(data, "m")),

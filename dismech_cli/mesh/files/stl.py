@@ -36,9 +36,7 @@ def parse_stl(data: bytes, where: str, allowed: Allowed = PLAIN) -> Mesh:
         MeshError: If the bytes are malformed or describe an unusable mesh.
     """
     if allowed.slits:
-        raise MeshError(
-            f"{where}: corners at one place are one node in STL files: their slits are lost"
-        )
+        raise MeshError(f"{where}: corners at one place are one node in STL files: their slits are lost")
     if data[:5] != b"solid" or _announced(data) == len(data):
         return validate(_joined(_binary(data, where)), where, allowed=allowed)
     return _text(decode(data, "replace"), where, allowed)

@@ -1,0 +1,238 @@
+"""VTK's older files (.vtk): unstructured grids and polygons, text or binary."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+from urllib.parse import unquote
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...arrays import FloatArray, IntArray
+from ...errors import MeshError
+from ..allowed import PLAIN, Allowed
+from ..limits import MAX_COUNT, check_count
+from ..mesh import Mesh
+from .source import load_bytes
+from .vtk_cells import POLYGON, POLYLINE, STRIP, VERTEX, VtkMesh, mesh_of_vtk
+
+_TYPES = {
+    "bit": "u1", "char": "i1", "unsigned_char": "u1", "short": "i2", "unsigned_short": "u2", "int": "i4",
+    "unsigned_int": "u4", "long": "i8", "unsigned_long": "u8", "float": "f4", "double": "f8",
+    "vtktypeint64": "i8", "vtkidtype": "i8", "vtktypeint32": "i4",
+}  # fmt: skip
+_KINDS = {"VERTICES": VERTEX, "LINES": POLYLINE, "TRIANGLE_STRIPS": STRIP, "POLYGONS": POLYGON, "CELLS": 0}
+_ORDER = (0, VERTEX, POLYLINE, POLYGON, STRIP)
+_HEAD = re.compile(
+    rb"# vtk DataFile Version \d+\.\d+[^\n]*\n[^\n]*\n\s*(ASCII|BINARY)\s*\n\s*DATASET\s+(\w+)\s*\n"
+)
+_COMPONENTS = {"VECTORS": 3, "NORMALS": 3, "TENSORS": 9}
+# Numbers per node of all cells: more cannot be meshes that are taken.
+_MOST = 16 * MAX_COUNT
+
+
+def read_vtk_legacy(path: Path, allowed: Allowed = PLAIN) -> Mesh:
+    """Read an unstructured grid or polygons in VTK's older format.
+
+    Raises:
+        MeshError: If the file cannot be read or describes an unusable mesh.
+    """
+    return parse_vtk_legacy(load_bytes(path), str(path), allowed)
+
+
+def parse_vtk_legacy(data: bytes, where: str, allowed: Allowed = PLAIN) -> Mesh:
+    """Parse the bytes of a VTK file; ``where`` names it in messages.
+
+    Raises:
+        MeshError: If the bytes are malformed or describe an unusable mesh.
+    """
+    match = _HEAD.match(data)
+    if match is None:
+        raise MeshError(
+            f"{where}:1: expected '# vtk DataFile Version', a title, ASCII or BINARY, and DATASET"
+        )
+    kind = match[2].decode("ascii", "replace")
+    if kind not in ("UNSTRUCTURED_GRID", "POLYDATA"):
+        raise MeshError(f"{where}: a dataset {kind[:40]}; expected UNSTRUCTURED_GRID or POLYDATA")
+    reader = _Reader(data, match.end(), match[1] == b"BINARY", where)
+    reader.read_all()
+    return mesh_of_vtk(reader.mesh(), where, allowed)
+
+
+@dataclass(frozen=True, slots=True)
+class _Cells:
+    """Cells of one kind, 0 if each has its own: nodes of all, and where each ends among them."""
+
+    kind: int
+    nodes: IntArray
+    ends: IntArray
+
+
+class _Reader:
+    """Goes through a file section by section."""
+
+    def __init__(self, data: bytes, at: int, binary: bool, where: str) -> None:
+        self._data = data
+        self._at = at
+        self._binary = binary
+        self._where = where
+        self._points: FloatArray = np.empty((0, 3))
+        self._cells: list[_Cells] = []
+        self._types: IntArray | None = None
+        self._values: dict[str, IntArray] = {}
+        self._dropped: list[str] = []
+
+    def mesh(self) -> VtkMesh:
+        """What was read."""
+        none = np.empty(0, dtype=np.int64)
+        # Data on polygons count through the kinds in this order, whatever that of the file.
+        cells = sorted(self._cells, key=lambda one: _ORDER.index(one.kind))
+        offsets = np.cumsum([0, *(len(one.nodes) for one in cells)])
+        ends = [one.ends + at for one, at in zip(cells, offsets, strict=False)]
+        kinds = [np.full(len(one.ends), one.kind) for one in cells]
+        return VtkMesh(
+            points=self._points,
+            connectivity=np.concatenate([none, *(one.nodes for one in cells)]),
+            ends=np.concatenate([none, *ends]),
+            types=np.concatenate([none, *kinds]) if self._types is None else self._types,
+            values=self._values,
+            dropped=self._dropped,
+        )
+
+    def read_all(self) -> None:
+        """Read the mesh, then the data on it as far as they are known kinds."""
+        count, on_cells = 0, False
+        while words := self._line():
+            match words:
+                case ["POINTS", number, kind]:
+                    total = 3 * check_count(self._whole(number), "points", self._where)
+                    self._points = self._take(total, kind).astype(np.float64).reshape(-1, 3)
+                case ["CELLS" | "VERTICES" | "LINES" | "POLYGONS" | "TRIANGLE_STRIPS" as name, number, size]:
+                    self._read_cells(name, self._whole(number), self._whole(size))
+                case ["CELL_TYPES", number]:
+                    self._types = self._take(self._whole(number), "int").astype(np.int64)
+                case ["METADATA"]:
+                    self._skip_metadata()
+                case ["CELL_DATA" | "POINT_DATA" as place, number]:
+                    count, on_cells = self._whole(number), place == "CELL_DATA"
+                case ["FIELD", _, number]:
+                    self._read_fields(self._whole(number), on_cells)
+                case ["SCALARS", name, kind, *rest] if len(rest) <= 1:
+                    columns = self._whole(rest[0]) if rest else 1
+                    if self._line()[:1] != ["LOOKUP_TABLE"]:
+                        raise MeshError(f"{self._where}: scalars {name[:40]!r} without LOOKUP_TABLE")
+                    self._keep(name, self._take(count * columns, kind), columns, on_cells)
+                case ["VECTORS" | "NORMALS" | "TENSORS" as what, name, kind]:
+                    self._keep(name, self._take(count * _COMPONENTS[what], kind), 3, on_cells)
+                case _ if count:
+                    self._dropped.append(f"{' '.join(words)[:40]} and what follows it")
+                    return
+                case _:
+                    raise MeshError(
+                        f"{self._where}: {' '.join(words)[:60]!r}; expected POINTS, CELLS or POLYGONS"
+                    )
+
+    def _read_cells(self, name: str, number: int, size: int) -> None:
+        """Cells with the number of nodes before each, or since 5.1 ends and nodes of all."""
+        mark = self._at
+        words = self._line()
+        if words[:1] == ["OFFSETS"]:
+            offsets = self._take(number, words[-1]).astype(np.int64)
+            words = self._line()
+            if words[:1] != ["CONNECTIVITY"]:
+                raise MeshError(f"{self._where}: OFFSETS of {name} without CONNECTIVITY")
+            nodes, ends = self._take(size, words[-1]).astype(np.int64), offsets[1:]
+        else:
+            self._at = mark
+            nodes, ends = self._counted(self._take(size, "int").astype(np.int64), number)
+        self._cells.append(_Cells(_KINDS[name], nodes, ends))
+
+    def _counted(self, flat: IntArray, number: int) -> tuple[IntArray, IntArray]:
+        """Nodes and ends of cells each of which has its size before its nodes."""
+        check_count(number, "cells", self._where)
+        heads, at = [], 0
+        values = flat.tolist()
+        for cell in range(number):
+            if at >= len(values) or values[at] < 0 or at + values[at] >= len(values):
+                raise MeshError(f"{self._where}: cell {cell + 1} names more nodes than follow")
+            heads.append(at)
+            at += 1 + values[at]
+        head = np.array(heads, dtype=np.int64)
+        inside = np.ones(at, dtype=np.bool_)
+        inside[head] = False
+        return flat[:at][inside], np.cumsum(flat[head]) if number else head
+
+    def _read_fields(self, number: int, on_cells: bool) -> None:
+        for _ in range(min(number, 1000)):
+            words = self._line()
+            if words == ["METADATA"]:
+                self._skip_metadata()
+                words = self._line()
+            if len(words) != 4:
+                raise MeshError(
+                    f"{self._where}: {' '.join(words)[:60]!r}; expected a field: name, sizes, type"
+                )
+            columns, rows = self._whole(words[1]), self._whole(words[2])
+            self._keep(words[0], self._take(columns * rows, words[3]), columns, on_cells)
+
+    def _keep(self, name: str, values: NDArray[Any], columns: int, on_cells: bool) -> None:
+        title = unquote(name)
+        if on_cells and columns == 1 and values.dtype.kind in "iu":
+            self._values[title] = values.astype(np.int64)
+        else:
+            self._dropped.append(title)
+
+    def _skip_metadata(self) -> None:
+        """Go past the blank line that ends it."""
+        end = self._data.find(b"\n\n", self._at)
+        self._at = len(self._data) if end < 0 else end + 2
+
+    def _line(self) -> list[str]:
+        """The words of the next line that holds some; none at the end."""
+        while self._at < len(self._data):
+            end = self._data.find(b"\n", self._at)
+            end = len(self._data) if end < 0 else end
+            words = self._data[self._at : min(end, self._at + 400)].decode("utf-8", "replace").split()
+            self._at = end + 1
+            if words:
+                return words
+        return []
+
+    def _whole(self, token: str) -> int:
+        if not (token.isascii() and token.isdigit() and len(token) <= 12):
+            raise MeshError(f"{self._where}: {token[:40]!r}; expected a number of things")
+        return int(token)
+
+    def _take(self, count: int, kind: str) -> NDArray[Any]:
+        """The next numbers, shape (count,)."""
+        name = kind.lower()
+        if name not in _TYPES:
+            raise MeshError(f"{self._where}: numbers of type {kind[:40]!r}")
+        dtype = np.dtype(">" + _TYPES[name])
+        left = len(self._data) - self._at
+        if not 0 <= count <= min(_MOST, left // (dtype.itemsize if self._binary else 1) + 1):
+            raise MeshError(f"{self._where}: {count} numbers announced, {left} bytes follow")
+        if self._binary:
+            if count * dtype.itemsize > left:
+                raise MeshError(f"{self._where}: {count} numbers announced, {left} bytes follow")
+            found = np.frombuffer(self._data, dtype, count, self._at)
+            self._at += count * dtype.itemsize
+            return found
+        return self._parse(count, dtype)
+
+    def _parse(self, count: int, dtype: np.dtype[Any]) -> NDArray[Any]:
+        rest = self._data[self._at :]
+        tokens = rest.split(None, count)
+        if len(tokens) < count:
+            raise MeshError(f"{self._where}: {count} numbers announced, {len(tokens)} follow")
+        tail = tokens.pop() if len(tokens) > count else b""
+        self._at = len(self._data) - len(tail)
+        try:
+            if dtype.kind == "f":
+                return np.array([float(token) for token in tokens], dtype=np.float64)
+            return np.array([int(token) for token in tokens], dtype=np.int64)
+        except (ValueError, OverflowError):
+            raise MeshError(f"{self._where}: a section of numbers holds what is none") from None
