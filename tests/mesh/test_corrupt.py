@@ -168,7 +168,7 @@ def test_the_unharmed_file_reads(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", READERS)
-@settings(max_examples=250, deadline=None)
+@settings(max_examples=100, deadline=None)
 @given(mutations=_mutations())
 def test_mutated_files(name: str, mutations: list[tuple[float, str, bytes, int]]) -> None:
     data, read = READERS[name]

@@ -127,7 +127,7 @@ def test_off() -> None:
         ("4OFF\n1 1 0\n", "m:1: '4OFF'; expected OFF, COFF, NOFF or CNOFF, in text"),
         (
             OFF.replace("6 2 0", "9 2 0"),
-            "m: 2 faces announced, 0 follow",
+            "m: 9 vertices announced, 8 follow",
         ),
         (OFF.replace("3 1 4 2 ", "9 1 4 2 "), "m:11: a face of 9 corners with 6 numbers"),
         (OFF.replace("3 1 4 2 ", "3 1 7 2 "), "m:11: node number 7; the file has 6 nodes, counted from 0"),

@@ -18,6 +18,7 @@ from dismech_cli.compose.compose import Composition
 from dismech_cli.kernels.numba_driver import NumbaDriver
 from dismech_cli.kernels.numpy_driver import NumpyDriver
 from dismech_cli.laws import laws
+from dismech_cli.mesh.topology.shells import shell_edges
 from dismech_cli.run.observables.reduce import reduce_series
 from dismech_cli.scenario.load import LoadedScenario
 from dismech_cli.sections.shells import hinge_stiffness
@@ -157,6 +158,45 @@ def bends_freely(made: Composition) -> None:
     assert_array_equal(made.geometry.nodes[np.unique(at)], [[0.1, 0.0, 0.0]])
 
 
+def turns_as_one(made: Composition) -> None:
+    """Six sides of two sheets have one normal for both."""
+    (seam,) = made.geometry.seams
+    assert seam.shells == (0, 1)
+    assert len(seam.sides) == 6
+    each = len(shell_edges(made.geometry.triangles[made.geometry.triangle_shell == 0]).edges)
+    assert made.simulation.model.dofs.n_normals == 2 * each - 6
+
+
+def turns_apart(made: Composition) -> None:
+    assert made.geometry.seams == ()
+    assert "joints[0]: 'sheet' and 'other' hinged along 6 sides, 0.3 m." in made.geometry.notes
+
+
+def branches_freely(made: Composition) -> None:
+    """Each of three triangles has a normal of its own at each side."""
+    assert made.simulation.model.dofs.n_normals == 9
+
+
+def sewn(bending: str) -> Deck:
+    """Two sheets side by side, joined along six sides."""
+    sheets = [
+        {
+            "type": "shell",
+            "name": name,
+            "material": "rubber",
+            "thickness": 2e-3,
+            "generate": SHEET | {"origin": at},
+        }
+        for name, at in (("sheet", [0.0, 0.0, 0.0]), ("other", [0.0, 0.2, 0.0]))
+    ]
+    seam = {"type": "seam", "shells": ["sheet", "other"], "bending": bending}
+    return shell_deck(geometry=sheets, joints=[seam])
+
+
+FINS = "v 0 0 0\nv 0 1 0\nv 1 0 0\nv -1 0 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 2 5\n"
+THREE: Deck = {"type": "shell", "name": "sheet", "material": "rubber", "thickness": 2e-3}
+
+
 def moves(made: Composition) -> None:
     assert_array_equal(made.simulation.start.v.reshape(-1, 2)[:3], [[0, 0], [1, 3], [4, 6]])
 
@@ -217,6 +257,18 @@ BODIES = {
         shell_deck(SHEET | {"pattern": "unstructured"}),
         is_irregular,
         choices=frozenset({("pattern", "unstructured")}),
+    ),
+    "welded seam": Rare(
+        sewn("weld"), turns_as_one, classes=frozenset({"Seam"}), choices=frozenset({("bending", "weld")})
+    ),
+    "hinged seam": Rare(
+        sewn("hinge"), turns_apart, classes=frozenset({"Seam"}), choices=frozenset({("bending", "hinge")})
+    ),
+    "hinged branches": Rare(
+        shell_deck(geometry=[THREE | {"mesh": {"file": "fins.obj", "branches": "hinge"}}]),
+        branches_freely,
+        choices=frozenset({("branches", "hinge")}),
+        files={"fins.obj": FINS},
     ),
     "released bending": Rare(
         shell_deck(

@@ -44,7 +44,7 @@ Slits: TypeAlias = Literal["refuse", "open"]
 class MeshFile(Spec):
     """A centreline read from a mesh file."""
 
-    file: FileName = Field(description="Mesh file (.msh, .obj, .txt).")
+    file: FileName = Field(description="Mesh file (.msh, .obj, .ply, .vtk, .vtu, .vtp, .txt).")
     group: str | None = Field(
         default=None, min_length=1, description="Physical group of its lines; default: all lines."
     )
@@ -121,7 +121,7 @@ def _weld_or_slits(source: MeshFile | SurfaceFile) -> None:
 class SurfaceFile(Spec):
     """A surface read from a mesh file; bodies of one file share the nodes they have in common."""
 
-    file: FileName = Field(description="Mesh file (.msh, .obj, .stl, .txt).")
+    file: FileName = Field(description="Mesh file (.msh, .obj, .stl, .ply, .off, .vtk, .vtu, .vtp, .txt).")
     group: str | None = Field(
         default=None, min_length=1, description="Physical group of its triangles; default: all triangles."
     )
