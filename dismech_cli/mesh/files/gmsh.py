@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import io
 import re
 import tempfile
 import warnings
@@ -60,7 +62,13 @@ def _read(data: bytes, where: str) -> Any:
     import meshio
 
     try:
-        with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings():
+        with (
+            tempfile.TemporaryDirectory() as folder,
+            warnings.catch_warnings(),
+            # It tells the terminal of tags beyond two, which are partitions.
+            contextlib.redirect_stderr(io.StringIO()),
+            contextlib.redirect_stdout(io.StringIO()),
+        ):
             # Numbers that end early are no more than a warning of numpy.
             warnings.simplefilter("error")
             path = Path(folder) / "mesh.msh"

@@ -21,7 +21,12 @@ from .polygon import MAX_CORNERS, triangulate
 from .source import in_space, load_text, parse_float, parse_int
 
 # Keywords that carry appearance only; dropping them cannot change the mechanics.
-_APPEARANCE = frozenset(("vt", "vn", "s", "mg", "lod", "mtllib", "usemap", "maplib", "bevel", "c_interp"))
+_APPEARANCE = frozenset(
+    (
+        *("vt", "vn", "vp", "s", "mg", "lod", "mtllib", "usemap", "maplib", "bevel"),
+        *("c_interp", "d_interp", "shadow_obj", "trace_obj", "ctech", "stech"),
+    )
+)
 
 _NAMING = (["g"], ["o"], ["usemtl"])
 _LOOSE_HASH = re.compile(r"(?<!\S)#(?=\s|$)")

@@ -58,8 +58,9 @@ def parse_float(token: str, where: str) -> float:
     except ValueError:
         value = float("nan")
     if not abs(value) <= MAX_COORDINATE:
+        comma = ", with a decimal point" if "," in token else ""
         raise MeshError(
-            f"{where}: coordinate {token[:40]!r}; expected a finite number up to {MAX_COORDINATE:g} m"
+            f"{where}: coordinate {token[:40]!r}; expected a finite number up to {MAX_COORDINATE:g} m{comma}"
         )
     return value
 

@@ -37,8 +37,8 @@ def parse_stl(data: bytes, where: str, allowed: Allowed = PLAIN) -> Mesh:
     """
     if allowed.slits:
         raise MeshError(f"{where}: corners at one place are one node in STL files: their slits are lost")
-    if data[:5] != b"solid" or _announced(data) == len(data):
-        return validate(_joined(_binary(data, where)), where, allowed=allowed)
+    if data.lstrip()[:5].lower() != b"solid" or _announced(data) == len(data):
+        return validate(_joined(_binary(data, where))[0], where, allowed=allowed)
     return _text(decode(data, "replace"), where, allowed)
 
 
@@ -49,12 +49,13 @@ def _announced(data: bytes) -> int:
 
 def _binary(data: bytes, where: str) -> FloatArray:
     """Corners, shape (3 T, 3)."""
-    if _announced(data) != len(data):
+    # Some programs pad the file.
+    if not 0 <= len(data) - _announced(data) < _FACET or len(data) < _HEAD:
         raise MeshError(
             f"{where}: {len(data)} bytes are no STL file: neither text, which starts with 'solid', nor "
             "binary with as many facets as it announces"
         )
-    facets = np.frombuffer(data, np.uint8, offset=_HEAD).reshape(-1, _FACET)
+    facets = np.frombuffer(data[: _announced(data)], np.uint8, offset=_HEAD).reshape(-1, _FACET)
     check_count(len(facets), "triangles", where)
     # After the normal of each facet follow its corners, single precision.
     corners = np.ascontiguousarray(facets[:, 12:48]).view("<f4").reshape(-1, 3)
@@ -86,19 +87,31 @@ def _text(text: str, where: str, allowed: Allowed) -> Mesh:
     if len(corners) != 3 * len(lines):
         raise MeshError(f"{where}: ends within a facet")
     check_count(len(lines), "triangles", where)
-    mesh = _joined(np.array(corners, dtype=np.float64).reshape(-1, 3), members.build())
-    return validate(mesh, where, Lines(triangles=np.array(lines, dtype=np.int64)), allowed)
+    mesh, kept = _joined(np.array(corners, dtype=np.float64).reshape(-1, 3), members.build())
+    return validate(mesh, where, Lines(triangles=np.array(lines, dtype=np.int64)[kept]), allowed)
 
 
-def _joined(corners: FloatArray, groups: dict[str, IntArray] | None = None) -> Mesh:
-    """Triangles of corners, shape (3 T, 3), in which equal corners are one node."""
+def _joined(corners: FloatArray, groups: dict[str, IntArray] | None = None) -> tuple[Mesh, IntArray]:
+    """Triangles of corners, shape (3 T, 3), in which equal corners are one node, and which are kept.
+
+    A facet with two corners at one place is left out: its other two sides lie on each other, and so join
+    its neighbours as it did.
+    """
     # Zeros of either sign are one place.
     nodes, index = np.unique(corners + 0.0, axis=0, return_inverse=True)
     triangles = index.reshape(-1, 3)
-    groups = groups or {}
-    return Mesh(
+    kept = np.flatnonzero((np.diff(np.sort(triangles, axis=1), axis=1) != 0).all(axis=1))
+    place = np.full(len(triangles), -1)
+    place[kept] = np.arange(len(kept))
+    found = {name: place[group][place[group] >= 0] for name, group in (groups or {}).items()}
+    gone = len(triangles) - len(kept)
+    what = "facet" if gone == 1 else "facets"
+    triangles = triangles[kept]
+    mesh = Mesh(
         nodes=nodes,
         triangles=triangles,
-        node_groups={name: np.unique(triangles[group]) for name, group in groups.items()},
-        triangle_groups=groups,
+        node_groups={name: np.unique(triangles[group]) for name, group in found.items()},
+        triangle_groups=found,
+        notes=(f"{gone} {what} with two corners at one place left out.",) if gone else (),
     )
+    return mesh, kept

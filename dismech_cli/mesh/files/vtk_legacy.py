@@ -27,7 +27,8 @@ _TYPES = {
 _KINDS = {"VERTICES": VERTEX, "LINES": POLYLINE, "TRIANGLE_STRIPS": STRIP, "POLYGONS": POLYGON, "CELLS": 0}
 _ORDER = (0, VERTEX, POLYLINE, POLYGON, STRIP)
 _HEAD = re.compile(
-    rb"# vtk DataFile Version \d+\.\d+[^\n]*\n[^\n]*\n\s*(ASCII|BINARY)\s*\n\s*DATASET\s+(\w+)\s*\n"
+    rb"# vtk DataFile Version \d+\.\d+[^\n]*\n[^\n]*\n\s*(ASCII|BINARY)\s*\n\s*DATASET\s+(\w+)\s*\n",
+    re.IGNORECASE,
 )
 _COMPONENTS = {"VECTORS": 3, "NORMALS": 3, "TENSORS": 9}
 # Numbers per node of all cells: more cannot be meshes that are taken.
@@ -54,10 +55,10 @@ def parse_vtk_legacy(data: bytes, where: str, allowed: Allowed = PLAIN) -> Mesh:
         raise MeshError(
             f"{where}:1: expected '# vtk DataFile Version', a title, ASCII or BINARY, and DATASET"
         )
-    kind = match[2].decode("ascii", "replace")
+    kind = match[2].decode("ascii", "replace").upper()
     if kind not in ("UNSTRUCTURED_GRID", "POLYDATA"):
         raise MeshError(f"{where}: a dataset {kind[:40]}; expected UNSTRUCTURED_GRID or POLYDATA")
-    reader = _Reader(data, match.end(), match[1] == b"BINARY", where)
+    reader = _Reader(data, match.end(), match[1].upper() == b"BINARY", where)
     reader.read_all()
     return mesh_of_vtk(reader.mesh(), where, allowed)
 
@@ -106,7 +107,7 @@ class _Reader:
         """Read the mesh, then the data on it as far as they are known kinds."""
         count, on_cells = 0, False
         while words := self._line():
-            match words:
+            match [words[0].upper(), *words[1:]]:
                 case ["POINTS", number, kind]:
                     total = 3 * check_count(self._whole(number), "points", self._where)
                     self._points = self._take(total, kind).astype(np.float64).reshape(-1, 3)
@@ -122,7 +123,7 @@ class _Reader:
                     self._read_fields(self._whole(number), on_cells)
                 case ["SCALARS", name, kind, *rest] if len(rest) <= 1:
                     columns = self._whole(rest[0]) if rest else 1
-                    if self._line()[:1] != ["LOOKUP_TABLE"]:
+                    if not _starts(self._line(), "LOOKUP_TABLE"):
                         raise MeshError(f"{self._where}: scalars {name[:40]!r} without LOOKUP_TABLE")
                     self._keep(name, self._take(count * columns, kind), columns, on_cells)
                 case ["VECTORS" | "NORMALS" | "TENSORS" as what, name, kind]:
@@ -139,10 +140,10 @@ class _Reader:
         """Cells with the number of nodes before each, or since 5.1 ends and nodes of all."""
         mark = self._at
         words = self._line()
-        if words[:1] == ["OFFSETS"]:
+        if _starts(words, "OFFSETS"):
             offsets = self._take(number, words[-1]).astype(np.int64)
             words = self._line()
-            if words[:1] != ["CONNECTIVITY"]:
+            if not _starts(words, "CONNECTIVITY"):
                 raise MeshError(f"{self._where}: OFFSETS of {name} without CONNECTIVITY")
             nodes, ends = self._take(size, words[-1]).astype(np.int64), offsets[1:]
         else:
@@ -168,7 +169,7 @@ class _Reader:
     def _read_fields(self, number: int, on_cells: bool) -> None:
         for _ in range(min(number, 1000)):
             words = self._line()
-            if words == ["METADATA"]:
+            if _starts(words, "METADATA"):
                 self._skip_metadata()
                 words = self._line()
             if len(words) != 4:
@@ -236,3 +237,8 @@ class _Reader:
             return np.array([int(token) for token in tokens], dtype=np.int64)
         except (ValueError, OverflowError):
             raise MeshError(f"{self._where}: a section of numbers holds what is none") from None
+
+
+def _starts(words: list[str], keyword: str) -> bool:
+    """Whether a line starts with a keyword, in letters of either case."""
+    return bool(words) and words[0].upper() == keyword
