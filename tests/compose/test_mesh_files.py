@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
+from panels import Panel, obj
 from shell_decks import EULER, MIXED, Deck
 
 from dismech_cli.compose.bodies.geometry import Geometry, assemble_geometry
@@ -134,3 +135,67 @@ def test_a_weld_too_wide_or_too_narrow_is_refused(built: Any) -> None:
     rows = "".join(f"v {i} 0 0\n" for i in range(1000)) + "l 1 2\n"
     with pytest.raises(ScenarioError, match="more than 32 nodes lie within the weld of 500"):
         built("r.obj", rows, ROD | {"mesh": {"weld": 500.0}})
+
+
+def _squares(count: int, size: float, *, torn: bool) -> str:
+    """Squares in a grid; the middle node is two if it is torn, one for the upper half, one for the lower."""
+    nodes = [(i, j) for j in range(count + 1) for i in range(count + 1)]
+    middle = nodes.index((count // 2, count // 2))
+    text = "".join(f"v {size * i} {size * j} 0\n" for i, j in (*nodes, nodes[middle]))
+    for j in range(count):
+        for i in range(count):
+            corners = [nodes.index(at) for at in ((i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1))]
+            upper = torn and j >= count // 2
+            numbers = [len(nodes) + 1 if upper and one == middle else one + 1 for one in corners]
+            text += f"f {' '.join(map(str, numbers))}\n"
+    return text
+
+
+def test_the_lips_of_a_slit_are_no_part_of_the_boundary(built: Any) -> None:
+    geometry = built("k.obj", _squares(4, 0.02, torn=True), SHELL | {"mesh": {"slits": "open"}})
+    assert len(geometry.nodes) == 26
+    outside = (np.abs(geometry.nodes[:, :2] - 0.04) > 0.039).any(axis=1)
+    assert_array_equal(geometry.node_groups["s.boundary"], np.flatnonzero(outside))
+    assert_array_equal(geometry.node_groups["s.slits"], [11, 12, 13, 25])
+    assert "s: 1 pair of nodes at the same place stay apart, as lips of slits." in geometry.notes
+    whole = built("w.obj", _squares(4, 0.02, torn=False), SHELL | {"mesh": {"slits": "open"}})
+    assert "s.slits" not in whole.node_groups
+    assert "s: No rims lie on each other: there is no slit to open." in whole.notes
+    with pytest.raises(ScenarioError, match="'weld' makes the lips of slits one again"):
+        built("k.obj", CUBE, SHELL | {"mesh": {"slits": "open", "weld": 1e-3}})
+
+
+TEE = """\
+v 0 0 0
+v 0.1 0 0
+v 0.1 0.1 0
+v 0 0.1 0
+v 0.2 0 0
+v 0.2 0.1 0
+v 0.1 0 0.1
+v 0.1 0.1 0.1
+f 1 2 3 4
+f 2 5 6 3
+f 2 3 8 7
+"""
+
+
+def test_the_line_where_sheets_branch_is_no_part_of_the_boundary(built: Any) -> None:
+    with pytest.raises(ScenarioError, match="not a manifold surface; 'branches' says what sheets do"):
+        built("t.obj", TEE, SHELL)
+    geometry = built("t.obj", TEE, SHELL | {"mesh": {"branches": "weld"}})
+    assert "s: Three or more sheets meet at 1 edge." in geometry.notes
+    assert not any("Normals" in note for note in geometry.notes)
+    fine = [
+        Panel(name="w", origin=(0, 0, 0), u=(0.2, 0, 0), v=(0, 0.1, 0), cells=(4, 4)),
+        Panel(name="f", origin=(0.1, 0, 0), u=(0, 0, 0.1), v=(0, 0.1, 0), cells=(2, 4)),
+    ]
+    geometry = built("f.obj", obj(*fine), SHELL | {"mesh": {"branches": "weld", "weld": 1e-9}})
+    x, y, z = geometry.nodes[geometry.node_groups["s.boundary"]].T
+    inside = (np.abs(y - 0.05) < 0.049) & (np.abs(x - 0.1) < 0.099) & (z < 0.099)
+    assert not inside.any()
+    assert len(x) == 2 * 5 + 2 * 3 + 5 + 2 * 1
+    with pytest.raises(ScenarioError, match="bending: averaged knows no weld of branches"):
+        built("t.obj", TEE, SHELL | {"bending": "averaged", "mesh": {"branches": "weld"}})
+    with pytest.raises(ScenarioError, match="membrane: family would count the springs of branching edges"):
+        built("t.obj", TEE, SHELL | {"membrane": "family", "mesh": {"branches": "weld"}})
