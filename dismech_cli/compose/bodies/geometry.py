@@ -42,12 +42,10 @@ class WeldedSides:
     Attributes:
         shells: Places of the shells among the shells.
         sides: Their nodes, shape (S, 2).
-        joint: Place of the seam in the scenario's list of joints.
     """
 
     shells: tuple[int, ...]
     sides: IntArray
-    joint: int
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,16 +14,12 @@ from numpy.typing import NDArray
 from ...arrays import FloatArray, IntArray
 from ...errors import MeshError
 from ..allowed import PLAIN, Allowed
-from ..limits import MAX_COUNT, check_count
+from ..limits import check_count
 from ..mesh import Mesh
 from .source import load_bytes
 from .vtk_cells import POLYGON, POLYLINE, STRIP, VERTEX, VtkMesh, mesh_of_vtk
+from .vtk_stream import VtkStream, starts
 
-_TYPES = {
-    "bit": "u1", "char": "i1", "unsigned_char": "u1", "short": "i2", "unsigned_short": "u2", "int": "i4",
-    "unsigned_int": "u4", "long": "i8", "unsigned_long": "u8", "float": "f4", "double": "f8",
-    "vtktypeint64": "i8", "vtkidtype": "i8", "vtktypeint32": "i4",
-}  # fmt: skip
 _KINDS = {"VERTICES": VERTEX, "LINES": POLYLINE, "TRIANGLE_STRIPS": STRIP, "POLYGONS": POLYGON, "CELLS": 0}
 _ORDER = (0, VERTEX, POLYLINE, POLYGON, STRIP)
 _HEAD = re.compile(
@@ -31,8 +27,6 @@ _HEAD = re.compile(
     re.IGNORECASE,
 )
 _COMPONENTS = {"VECTORS": 3, "NORMALS": 3, "TENSORS": 9}
-# Numbers per node of all cells: more cannot be meshes that are taken.
-_MOST = 16 * MAX_COUNT
 
 
 def read_vtk_legacy(path: Path, allowed: Allowed = PLAIN) -> Mesh:
@@ -58,7 +52,7 @@ def parse_vtk_legacy(data: bytes, where: str, allowed: Allowed = PLAIN) -> Mesh:
     kind = match[2].decode("ascii", "replace").upper()
     if kind not in ("UNSTRUCTURED_GRID", "POLYDATA"):
         raise MeshError(f"{where}: a dataset {kind[:40]}; expected UNSTRUCTURED_GRID or POLYDATA")
-    reader = _Reader(data, match.end(), match[1].upper() == b"BINARY", where)
+    reader = _Reader(VtkStream(data, match.end(), match[1].upper() == b"BINARY", where))
     reader.read_all()
     return mesh_of_vtk(reader.mesh(), where, allowed)
 
@@ -75,11 +69,9 @@ class _Cells:
 class _Reader:
     """Goes through a file section by section."""
 
-    def __init__(self, data: bytes, at: int, binary: bool, where: str) -> None:
-        self._data = data
-        self._at = at
-        self._binary = binary
-        self._where = where
+    def __init__(self, stream: VtkStream) -> None:
+        self._in = stream
+        self._where = stream.where
         self._points: FloatArray = np.empty((0, 3))
         self._cells: list[_Cells] = []
         self._types: IntArray | None = None
@@ -106,28 +98,28 @@ class _Reader:
     def read_all(self) -> None:
         """Read the mesh, then the data on it as far as they are known kinds."""
         count, on_cells = 0, False
-        while words := self._line():
+        while words := self._in.line():
             match [words[0].upper(), *words[1:]]:
                 case ["POINTS", number, kind]:
-                    total = 3 * check_count(self._whole(number), "points", self._where)
-                    self._points = self._take(total, kind).astype(np.float64).reshape(-1, 3)
+                    total = 3 * check_count(self._in.whole(number), "points", self._where)
+                    self._points = self._in.take(total, kind).astype(np.float64).reshape(-1, 3)
                 case ["CELLS" | "VERTICES" | "LINES" | "POLYGONS" | "TRIANGLE_STRIPS" as name, number, size]:
-                    self._read_cells(name, self._whole(number), self._whole(size))
+                    self._read_cells(name, self._in.whole(number), self._in.whole(size))
                 case ["CELL_TYPES", number]:
-                    self._types = self._take(self._whole(number), "int").astype(np.int64)
+                    self._types = self._in.take(self._in.whole(number), "int").astype(np.int64)
                 case ["METADATA"]:
-                    self._skip_metadata()
+                    self._in.skip_metadata()
                 case ["CELL_DATA" | "POINT_DATA" as place, number]:
-                    count, on_cells = self._whole(number), place == "CELL_DATA"
+                    count, on_cells = self._in.whole(number), place == "CELL_DATA"
                 case ["FIELD", _, number]:
-                    self._read_fields(self._whole(number), on_cells)
+                    self._read_fields(self._in.whole(number), on_cells)
                 case ["SCALARS", name, kind, *rest] if len(rest) <= 1:
-                    columns = self._whole(rest[0]) if rest else 1
-                    if not _starts(self._line(), "LOOKUP_TABLE"):
+                    columns = self._in.whole(rest[0]) if rest else 1
+                    if not starts(self._in.line(), "LOOKUP_TABLE"):
                         raise MeshError(f"{self._where}: scalars {name[:40]!r} without LOOKUP_TABLE")
-                    self._keep(name, self._take(count * columns, kind), columns, on_cells)
+                    self._keep(name, self._in.take(count * columns, kind), columns, on_cells)
                 case ["VECTORS" | "NORMALS" | "TENSORS" as what, name, kind]:
-                    self._keep(name, self._take(count * _COMPONENTS[what], kind), 3, on_cells)
+                    self._keep(name, self._in.take(count * _COMPONENTS[what], kind), 3, on_cells)
                 case _ if count:
                     self._dropped.append(f"{' '.join(words)[:40]} and what follows it")
                     return
@@ -138,17 +130,14 @@ class _Reader:
 
     def _read_cells(self, name: str, number: int, size: int) -> None:
         """Cells with the number of nodes before each, or since 5.1 ends and nodes of all."""
-        mark = self._at
-        words = self._line()
-        if _starts(words, "OFFSETS"):
-            offsets = self._take(number, words[-1]).astype(np.int64)
-            words = self._line()
-            if not _starts(words, "CONNECTIVITY"):
+        if self._in.next_starts("OFFSETS"):
+            offsets = self._in.take(number, self._in.line()[-1]).astype(np.int64)
+            words = self._in.line()
+            if not starts(words, "CONNECTIVITY"):
                 raise MeshError(f"{self._where}: OFFSETS of {name} without CONNECTIVITY")
-            nodes, ends = self._take(size, words[-1]).astype(np.int64), offsets[1:]
+            nodes, ends = self._in.take(size, words[-1]).astype(np.int64), offsets[1:]
         else:
-            self._at = mark
-            nodes, ends = self._counted(self._take(size, "int").astype(np.int64), number)
+            nodes, ends = self._counted(self._in.take(size, "int").astype(np.int64), number)
         self._cells.append(_Cells(_KINDS[name], nodes, ends))
 
     def _counted(self, flat: IntArray, number: int) -> tuple[IntArray, IntArray]:
@@ -168,16 +157,16 @@ class _Reader:
 
     def _read_fields(self, number: int, on_cells: bool) -> None:
         for _ in range(min(number, 1000)):
-            words = self._line()
-            if _starts(words, "METADATA"):
-                self._skip_metadata()
-                words = self._line()
+            words = self._in.line()
+            if starts(words, "METADATA"):
+                self._in.skip_metadata()
+                words = self._in.line()
             if len(words) != 4:
                 raise MeshError(
                     f"{self._where}: {' '.join(words)[:60]!r}; expected a field: name, sizes, type"
                 )
-            columns, rows = self._whole(words[1]), self._whole(words[2])
-            self._keep(words[0], self._take(columns * rows, words[3]), columns, on_cells)
+            columns, rows = self._in.whole(words[1]), self._in.whole(words[2])
+            self._keep(words[0], self._in.take(columns * rows, words[3]), columns, on_cells)
 
     def _keep(self, name: str, values: NDArray[Any], columns: int, on_cells: bool) -> None:
         title = unquote(name)
@@ -185,60 +174,3 @@ class _Reader:
             self._values[title] = values.astype(np.int64)
         else:
             self._dropped.append(title)
-
-    def _skip_metadata(self) -> None:
-        """Go past the blank line that ends it."""
-        end = self._data.find(b"\n\n", self._at)
-        self._at = len(self._data) if end < 0 else end + 2
-
-    def _line(self) -> list[str]:
-        """The words of the next line that holds some; none at the end."""
-        while self._at < len(self._data):
-            end = self._data.find(b"\n", self._at)
-            end = len(self._data) if end < 0 else end
-            words = self._data[self._at : min(end, self._at + 400)].decode("utf-8", "replace").split()
-            self._at = end + 1
-            if words:
-                return words
-        return []
-
-    def _whole(self, token: str) -> int:
-        if not (token.isascii() and token.isdigit() and len(token) <= 12):
-            raise MeshError(f"{self._where}: {token[:40]!r}; expected a number of things")
-        return int(token)
-
-    def _take(self, count: int, kind: str) -> NDArray[Any]:
-        """The next numbers, shape (count,)."""
-        name = kind.lower()
-        if name not in _TYPES:
-            raise MeshError(f"{self._where}: numbers of type {kind[:40]!r}")
-        dtype = np.dtype(">" + _TYPES[name])
-        left = len(self._data) - self._at
-        if not 0 <= count <= min(_MOST, left // (dtype.itemsize if self._binary else 1) + 1):
-            raise MeshError(f"{self._where}: {count} numbers announced, {left} bytes follow")
-        if self._binary:
-            if count * dtype.itemsize > left:
-                raise MeshError(f"{self._where}: {count} numbers announced, {left} bytes follow")
-            found = np.frombuffer(self._data, dtype, count, self._at)
-            self._at += count * dtype.itemsize
-            return found
-        return self._parse(count, dtype)
-
-    def _parse(self, count: int, dtype: np.dtype[Any]) -> NDArray[Any]:
-        rest = self._data[self._at :]
-        tokens = rest.split(None, count)
-        if len(tokens) < count:
-            raise MeshError(f"{self._where}: {count} numbers announced, {len(tokens)} follow")
-        tail = tokens.pop() if len(tokens) > count else b""
-        self._at = len(self._data) - len(tail)
-        try:
-            if dtype.kind == "f":
-                return np.array([float(token) for token in tokens], dtype=np.float64)
-            return np.array([int(token) for token in tokens], dtype=np.int64)
-        except (ValueError, OverflowError):
-            raise MeshError(f"{self._where}: a section of numbers holds what is none") from None
-
-
-def _starts(words: list[str], keyword: str) -> bool:
-    """Whether a line starts with a keyword, in letters of either case."""
-    return bool(words) and words[0].upper() == keyword
