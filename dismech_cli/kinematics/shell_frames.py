@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
+from ..geometry.rotation import signed_angle
 from ..kernels.driver import Driver
 from .dofs import DofMap
 from .rod_frames import Frames, FrameState, TrialFrames, edge_frame
@@ -113,6 +114,23 @@ class ShellFrames:
             )
         )
         return TrialFrames(state, auxiliary)
+
+    def turned_to_faces(self, state: FrameState, q: FloatArray) -> FloatArray:
+        """Normals halfway between the faces of each edge at ``q``, shape (3, B).
+
+        Edges that share a normal turn together, as the first of them does, and keep their angles.
+        """
+        faces = self.mean_normals(q)
+        _, first, inverse, counts = np.unique(
+            self.angles, return_index=True, return_inverse=True, return_counts=True
+        )
+        shared = counts[inverse] > 1
+        if not shared.any():
+            return faces
+        tangent, stored = state.edge_tangent, state.edge_normal
+        turn = signed_angle(stored, faces, tangent)[first[inverse]]
+        turned = np.cos(turn) * stored + np.sin(turn) * np.cross(tangent.T, stored.T).T
+        return np.where(shared, turned, faces)
 
     def mean_normals(self, q: FloatArray) -> FloatArray:
         """Unit normals halfway between the faces of each edge, shape (3, B)."""

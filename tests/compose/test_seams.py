@@ -318,3 +318,24 @@ def test_the_middle_of_a_sheet_is_not_sewn_to_one_that_lies_on_it(write: Any, tm
     seam = {"type": "seam", "shells": ["a", "b"], "bending": "hinge"}
     geometry = compose(load(write(_deck(bodies, joints=[seam], motions=[CLAMP])))).geometry
     assert len(geometry.nodes) == 2 * 25 - 16
+
+
+def test_a_weld_that_starts_folded_bends_as_one_sheet_does(value: Any) -> None:
+    """The start finds the normals of free edges anew; those of a weld keep the angle between them."""
+    fold = {"where": {"plane": {"point": [0, 0, 0], "normal": [0, 0, 1], "within": 1.0}}}
+    fold["displacement"] = [{"expression": f"{np.cos(0.5) - 1} * clip(x - 0.05, 0, 1)"}, 0]
+    fold["displacement"].append({"expression": f"{np.sin(0.5)} * clip(x - 0.05, 0, 1)"})
+    energy = {"probe": {"energy": "elastic"}, "value": 0.0, "tolerance": 1.0, "source": "the test"}
+    common: Deck = {
+        "motions": [{"type": "clamp", "where": {"box": {"min": [-1, -1, -1], "max": [0.0451, 1, 1]}}}],
+        "initial": {"displacements": [fold]},
+        "numerics": {"integrator": {"type": "implicit_euler"}, "dt": 1e-6, "t_end": 1e-6},
+        "expect": {"p": energy},
+    }
+    expected = value(
+        _deck([_shell("a", mesh={"file": "one.obj"})], **common), one=obj(_strip("w", 0, 0.1, 20))
+    )
+    deck, text = _two({}, **{key: value for key, value in common.items() if key != "motions"})
+    found = value(deck | {"motions": common["motions"]}, two=text)
+    assert expected > 1e-6
+    assert_allclose(found, expected, rtol=1e-8)

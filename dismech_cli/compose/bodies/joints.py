@@ -151,7 +151,8 @@ class _Joined:
 
 def _releases(loaded: LoadedScenario, index: int) -> bool:
     """Whether a joint lets one of bending and twist pass."""
-    return loaded.scenario.joints[index].release is not None
+    joint = loaded.scenario.joints[index]
+    return not isinstance(joint, Seam) and joint.release is not None
 
 
 def _refuse_contradictions(loaded: LoadedScenario, geometry: Geometry, said: Said, joined: _Joined) -> None:

@@ -65,7 +65,9 @@ def mapped(known: Known, geometry: Geometry, structure: Structure) -> Started:
         frames = _rods(known, structure, split, before, (q, v), frames)
     if len(structure.shell_edges.edges):
         skipped = split + (len(geometry.edges) + walls if dofs.n_angles else 0)
-        normals = dofs.of_normals(np.arange(len(structure.shell_edges.edges)))
+        normals = dofs.of_normals(np.arange(structure.shell_edges.n_normals))
+        if len(known.q) - skipped != len(normals):
+            raise ScenarioError("is a state of shells that are welded otherwise: take the same seams")
         q[normals], v[normals] = known.q[skipped:], known.v[skipped:]
         stored = known.frames
         frames = replace(

@@ -92,8 +92,8 @@ def _displaced(scene: Scene, structure: Structure, entries: Sequence[Displaced])
         held = np.zeros(len(edges), dtype=np.bool_)
         for hold in structure.holds:
             held |= np.isin(edges, hold.sloped).all(axis=1)
-        normal = np.where(held, frames.edge_normal, structure.normals.mean_normals(q))
-        frames = replace(frames, edge_normal=normal)
+        free = structure.normals.turned_to_faces(frames, q)
+        frames = replace(frames, edge_normal=np.where(held, frames.edge_normal, free))
     return Started(q, np.zeros_like(q), frames)
 
 
