@@ -265,6 +265,14 @@ def test_seams_that_do_not_fit_are_refused(
         compose(load(write(deck)))
 
 
+def test_a_seam_is_sewn_where_it_is_said(write: Any, tmp_path: Path) -> None:
+    deck, text = _two({"where": {"box": {"min": [-1, -1, -1], "max": [1, 0.011, 1]}}})
+    (tmp_path / "two.obj").write_text(text)
+    geometry = compose(load(write(deck))).geometry
+    assert "joints[0]: 'l' and 'r' welded along 1 side, 0.01 m." in geometry.notes
+    assert len(geometry.nodes) == 2 * 11 * 3 - 2
+
+
 def test_a_gap_is_closed_within_a_length(write: Any, tmp_path: Path) -> None:
     deck, text = _two({"within": "20 um"}, right=OFF)
     (tmp_path / "two.obj").write_text(text)
