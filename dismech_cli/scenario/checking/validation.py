@@ -17,6 +17,8 @@ from .messages import is_wrong_type, message
 
 # How pydantic calls the members of a union that no key tells apart.
 _MEMBERS: Final = ("function-before", "tuple", "str", "int", "constrained-int")
+# What is wrong with the first is looked at; nobody reads on, and words take time to compare.
+_TOLD: Final = 1000
 
 
 def validate(root: Node) -> Scenario:
@@ -31,7 +33,9 @@ def validate(root: Node) -> Scenario:
         return Scenario.model_validate(data)
     except ValidationError as error:
         details = error.errors(include_url=False)
-    faults = [(*_locate(root, detail), detail) for detail in _without_other_branches(root, details)]
+    located = [(*_locate(root, detail), detail) for detail in _without_other_branches(root, details)]
+    located.sort(key=lambda fault: (fault[1].place.source.name, fault[1].place.line, fault[1].place.column))
+    faults = located[:_TOLD]
     misspelt = {
         (path[:-1], near)
         for path, _, detail in faults
@@ -44,7 +48,8 @@ def validate(root: Node) -> Scenario:
             for path, node, detail in faults
             # A misspelt key is one fault, not an unknown and a missing one.
             if not (detail["type"] == "missing" and (path[:-1], path[-1]) in misspelt) and not _echo(detail)
-        ]
+        ],
+        more=len(located) - len(faults),
     )
 
 

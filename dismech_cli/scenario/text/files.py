@@ -16,6 +16,8 @@ from .yaml_text import parse_yaml
 
 _PARSERS: Final = {".yaml": parse_yaml, ".yml": parse_yaml, ".toml": parse_toml}
 
+_TOO_LARGE: Final = f"larger than {MAX_BYTES // 1024**2} MB, the limit for a scenario: give long curves and tables as CSV files"
+
 
 def resolve_file(name: str, directory: Path, tree: Path | None, *, folders: bool = False) -> Path:
     """The absolute path of an existing regular file.
@@ -46,7 +48,7 @@ def read_source(path: Path, name: str, note: str = "") -> Source:
     """The text of a scenario file.
 
     Raises:
-        ScenarioError: if it cannot be read, is no regular file, larger than 8 MB, no text in UTF-8 or
+        ScenarioError: if it cannot be read, is no regular file, larger than 4 MB, no text in UTF-8 or
             UTF-16, or not fetched from Git LFS.
     """
     try:
@@ -60,7 +62,7 @@ def read_source(path: Path, name: str, note: str = "") -> Source:
         reason = getattr(error, "strerror", None) or "not a usable path"
         raise ScenarioError(f"{name}: cannot read: {reason.lower()}") from None
     if len(data) > MAX_BYTES:
-        raise ScenarioError(f"{name}: larger than {MAX_BYTES // 1024**2} MB, the limit for a scenario")
+        raise ScenarioError(f"{name}: {_TOO_LARGE}")
     if is_lfs_pointer(data):
         raise ScenarioError(f"{name}:1: {UNFETCHED}")
     try:
@@ -80,6 +82,8 @@ def parse_source(source: Source, suffix: str) -> Node:
         ScenarioError: for an unknown suffix; as :class:`ProblemsError` for every fault found.
     """
     parser = _PARSERS.get(suffix.lower())
+    if len(source.text) > MAX_BYTES:
+        raise ScenarioError(f"{source.name}: {_TOO_LARGE}")
     if parser is None:
         raise ScenarioError(
             f"{source.name}: a scenario ends in .yaml, .yml or .toml, not {suffix or 'nothing'!r}"

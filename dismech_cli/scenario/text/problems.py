@@ -31,14 +31,19 @@ class Problem:
 
 
 class ProblemsError(ScenarioError):
-    """All faults found in one pass, each with its place."""
+    """All faults found in one pass, each with its place.
 
-    def __init__(self, problems: Sequence[Problem]) -> None:
+    Args:
+        problems: The faults.
+        more: How many there are beside them.
+    """
+
+    def __init__(self, problems: Sequence[Problem], more: int = 0) -> None:
         unique = list(dict.fromkeys(problems))
         unique.sort(key=lambda p: (p.mark.source.name, p.mark.line, p.mark.column))
         text = "\n".join(str(problem) for problem in unique[:SHOWN])
-        if len(unique) > SHOWN:
-            text += f"\n... and {len(unique) - SHOWN} more"
+        if len(unique) + more > SHOWN:
+            text += f"\n... and {len(unique) + more - SHOWN} more"
         super().__init__(text)
         self.problems = tuple(unique)
 

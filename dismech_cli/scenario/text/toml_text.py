@@ -10,12 +10,14 @@ from bisect import bisect_right
 from typing import Any, Final
 
 from .problems import Problem, ProblemsError
-from .tree import MAX_DEPTH, MAX_NODES, KeyPath, Mark, Node, Source
+from .tree import MAX_DEPTH, MAX_NODES, TOO_MANY, KeyPath, Mark, Node, Source
 
-_BLANK: Final = re.compile(r"(?:[ \t\r\n]|#[^\n]*)*")
+_BLANK: Final = re.compile(r"(?:[ \t\r\n]++|#[^\n]*+)*+")
 _BARE_KEY: Final = re.compile(r"[A-Za-z0-9_-]+")
+# Possessive, as the text is known to be sound: what could be given back would be kept for each character.
 _STRING: Final = re.compile(
-    r'"""(?:\\.|[^\\])*?"""+|\'\'\'.*?\'\'\'+|"(?:\\.|[^"\\\n])*"|\'[^\'\n]*\'', re.DOTALL
+    r'"""(?:[^"\\]++|\\.|"(?!""))*+"""+|\'\'\'(?:[^\']++|\'(?!\'\'))*+\'\'\'+|"(?:[^"\\\n]++|\\.)*+"|\'[^\'\n]*+\'',
+    re.DOTALL,
 )
 _BARE_VALUE: Final = re.compile(r"[^,\]}#\n]*")
 _DECIMAL_COMMA: Final = re.compile(r"(?:(?<==)|(?<== ))[-+]?[0-9]+,[0-9]+")
@@ -90,7 +92,7 @@ class _Builder:
             mark = mark or key_mark
         mark = mark or Mark(self.source, 1, 1)
         if self.count > MAX_NODES:
-            raise ProblemsError([Problem(mark, (), f"more than {MAX_NODES} values")])
+            raise ProblemsError([Problem(mark, (), TOO_MANY)])
         if isinstance(data, dict):
             return Node({key: self.node(value, (*path, key)) for key, value in data.items()}, mark, key_mark)
         if isinstance(data, list):

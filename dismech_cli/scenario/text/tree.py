@@ -9,9 +9,11 @@ from typing import Any, Final, TypeAlias
 Scalar: TypeAlias = str | int | float | bool | None
 KeyPath: TypeAlias = tuple[str | int, ...]
 
-MAX_BYTES: Final = 8 * 1024 * 1024
+MAX_BYTES: Final = 4 * 1024 * 1024
 MAX_DEPTH: Final = 64
-MAX_NODES: Final = 1_000_000
+# What is read in some five seconds; curves and tables of more rows are files.
+MAX_NODES: Final = 100_000
+TOO_MANY: Final = f"more than {MAX_NODES} values: give long curves and tables as CSV files"
 
 
 @dataclass(frozen=True, slots=True)

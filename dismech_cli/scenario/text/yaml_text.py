@@ -14,7 +14,7 @@ from yaml.error import MarkedYAMLError
 from yaml.reader import ReaderError
 
 from .problems import Problem, ProblemsError
-from .tree import MAX_DEPTH, MAX_NODES, KeyPath, Mark, Node, Scalar, Source
+from .tree import MAX_DEPTH, MAX_NODES, TOO_MANY, KeyPath, Mark, Node, Scalar, Source
 
 _NULL: Final = re.compile(r"(?:null|Null|NULL|~|)\Z")
 _BOOL: Final = re.compile(r"(?:true|True|TRUE|false|False|FALSE)\Z")
@@ -42,6 +42,7 @@ class _Loader(yaml.SafeLoader):
 
     yaml_implicit_resolvers: dict[Any, Any] = {}  # noqa: RUF012  PyYAML's own protocol
     depth = 0
+    count = 0
 
     def compose_node(self, parent: yaml.Node | None, index: Any) -> yaml.Node | None:
         event = self.peek_event()  # type: ignore[no-untyped-call]
@@ -49,6 +50,9 @@ class _Loader(yaml.SafeLoader):
             raise _RefusedError(
                 problem=f"tags such as {event.tag} are not allowed", problem_mark=event.start_mark
             )
+        self.count += 1
+        if self.count > MAX_NODES:
+            raise _RefusedError(problem=TOO_MANY, problem_mark=event.start_mark)
         self.depth += 1
         if self.depth > MAX_DEPTH:
             raise _RefusedError(
@@ -136,7 +140,7 @@ class _Measure:
             more, levels = self.node(value)
             count, height = count + more, max(height, levels)
         if count > MAX_NODES:
-            self._stop(raw, f"more than {MAX_NODES} values once aliases are expanded")
+            self._stop(raw, f"{TOO_MANY}, once aliases are expanded")
         if height >= MAX_DEPTH:
             self._stop(raw, f"nested deeper than {MAX_DEPTH} levels once aliases are expanded")
         self.open.discard(id(raw))
