@@ -16,7 +16,10 @@ from .yaml_text import parse_yaml
 
 _PARSERS: Final = {".yaml": parse_yaml, ".yml": parse_yaml, ".toml": parse_toml}
 
-_TOO_LARGE: Final = f"larger than {MAX_BYTES // 1024**2} MB, the limit for a scenario: give long curves and tables as CSV files"
+_LIMIT: Final = f"{MAX_BYTES // 1024**2} MB"
+_TOO_LARGE: Final = (
+    f"larger than {_LIMIT}, the limit for a scenario: give long curves and tables as CSV files"
+)
 
 
 def resolve_file(name: str, directory: Path, tree: Path | None, *, folders: bool = False) -> Path:
