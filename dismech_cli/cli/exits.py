@@ -55,7 +55,10 @@ def _open_closed_streams() -> None:
 
 
 def _show_warnings_plainly() -> None:
-    """Warnings of this program, such as those of the cache, without the line of source that gave them."""
+    """Warnings of this program without the line of source that gave them.
+
+    Those of numbers that overflow are left out: what cannot be computed is told where the run ends by it.
+    """
     otherwise = warnings.showwarning
 
     def show(
@@ -66,10 +69,10 @@ def _show_warnings_plainly() -> None:
         file: TextIO | None = None,
         line: str | None = None,
     ) -> None:
-        if category is UserWarning and Path(filename).is_relative_to(_PACKAGE):
-            Console().warn(str(message))
-        else:
+        if not Path(filename).is_relative_to(_PACKAGE):
             otherwise(message, category, filename, lineno, file, line)
+        elif not issubclass(category, RuntimeWarning):
+            Console().warn(str(message))
 
     warnings.showwarning = show
 

@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import re
-import signal
-from collections.abc import Iterator
-from contextlib import contextmanager
-from types import FrameType
 
 import numpy as np
 import pytest
 from mutations import mutated
+from time_limit import within
 
 from dismech_cli.compose import sizes
 from dismech_cli.compose.compose import compose
@@ -22,25 +19,11 @@ PLACE = re.compile(r":\d+:\d+: ")
 LIMIT = 5.0  # [s] of processor time
 
 
-@contextmanager
-def _within(seconds: float) -> Iterator[None]:
-    def stop(number: int, frame: FrameType | None) -> None:
-        raise TimeoutError(f"took more than {seconds:g} s")
-
-    before = signal.signal(signal.SIGPROF, stop)
-    signal.setitimer(signal.ITIMER_PROF, seconds)
-    try:
-        yield
-    finally:
-        signal.setitimer(signal.ITIMER_PROF, 0.0)
-        signal.signal(signal.SIGPROF, before)
-
-
 def _fault(seed: int) -> str:
     """What is wrong with a mutated scenario, or nothing."""
     deck, text = mutated(seed)
     format = "toml" if deck.suffix == ".toml" else "yaml"
-    with _within(LIMIT), np.errstate(all="ignore"):
+    with within(LIMIT), np.errstate(all="ignore"):
         try:
             estimate(compose(load_text(text, directory=deck.parent, format=format), kernels="numpy"))
         except ScenarioError as error:
