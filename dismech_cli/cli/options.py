@@ -11,6 +11,7 @@ from typing import Annotated
 
 import typer
 
+from . import completion
 from .console import NORMAL, QUIET, VERBOSE, Console
 from .progress import make_display
 
@@ -77,7 +78,12 @@ RunDir = Annotated[
 ]
 Set = Annotated[
     list[str] | None,
-    typer.Option("--set", metavar="KEY=VALUE", help="Set a value, as in numerics.dt='5 ms'; repeatable."),
+    typer.Option(
+        "--set",
+        metavar="KEY=VALUE",
+        help="Set a value, as in numerics.dt='5 ms'; repeatable.",
+        autocompletion=completion.set_keys,
+    ),
 ]
 ProfileOption = Annotated[
     Profile | None, typer.Option("--profile", help="Trade speed for accuracy.", show_default=False)

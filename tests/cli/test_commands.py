@@ -200,6 +200,7 @@ def test_init_makes_a_scenario_that_checks(call, tmp_path):
     done = call("init")
     assert done.code == 0, done.stderr
     assert done.stdout.splitlines()[0] == "cantilever.yaml"
+    assert done.stdout.splitlines()[-1] == "dismech.schema.json"
     assert call("check", "cantilever.yaml").code == 0
     again = call("init")
     assert again.code == 2
@@ -222,7 +223,29 @@ def test_init_brings_the_files_that_an_example_names(call, swing, monkeypatch):
     monkeypatch.setattr(gallery, "folder", lambda: shipped)
     done = call("init", "tilt", "-o", "new/tilt.yaml")
     assert done.code == 0, done.stderr
-    assert sorted(done.stdout.split()) == ["new/base.yaml", "new/data/g.csv", "new/tilt.yaml"]
+    assert sorted(done.stdout.split()) == [
+        "new/base.yaml",
+        "new/data/g.csv",
+        "new/dismech.schema.json",
+        "new/tilt.yaml",
+    ]
+    first, second, *_ = (swing / "new" / "tilt.yaml").read_text().splitlines()
+    assert first == "# yaml-language-server: $schema=dismech.schema.json"
+    assert second == "include: [base.yaml]"
+    schema = swing / "new" / "dismech.schema.json"
+    written = schema.read_text()
+    assert json.loads(written) == json.loads(call("schema").stdout)
+    schema.write_text(written.replace("2020-12", "older", 1))
+    assert call("init", "tilt", "-o", "new/other.yaml").code == 2  # for the files that it names
+    (swing / "new" / "data" / "g.csv").unlink()
+    (swing / "new" / "base.yaml").unlink()
+    assert call("init", "tilt", "-o", "new/other.yaml").code == 0
+    assert schema.read_text() == written
+    schema.write_text("{}")
+    refused = call("init", "base", "-o", "new/arm.yaml")
+    assert refused.code == 2
+    assert "dismech.schema.json: exists already" in refused.stderr
+    schema.write_text(written)
     assert call("check", "new/tilt.yaml").code == 0
 
 

@@ -7,7 +7,9 @@ from typing import Annotated
 
 import typer
 
-SUMMARY = "Copy an example, with the files it names, to start from."
+from .. import completion
+
+SUMMARY = "Copy an example, with the files it names and the schema for editors, to start from."
 EXAMPLES = """
 dismech init
 dismech init cantilever --output my_arm.yaml
@@ -16,7 +18,12 @@ dismech init cantilever --output my_arm.yaml
 
 def init(
     template: Annotated[
-        str, typer.Argument(metavar="[TEMPLATE]", help="Name of an example: dismech examples.")
+        str,
+        typer.Argument(
+            metavar="[TEMPLATE]",
+            help="Name of an example: dismech examples.",
+            autocompletion=completion.templates,
+        ),
     ] = "cantilever",
     output: Annotated[
         Path | None,

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from .. import options
+from .. import completion, options
 
 SUMMARY = "Draw a run: video, pictures, diagrams."
 EXAMPLES = """
@@ -46,7 +46,13 @@ def render(
     run_dir: options.RunDir,
     view: Annotated[View | None, typer.Option("--view", help="Where the camera looks from.")] = None,
     color_by: Annotated[
-        str | None, typer.Option("--color-by", metavar="FIELD", help="Field shown as colour, or none.")
+        str | None,
+        typer.Option(
+            "--color-by",
+            metavar="FIELD",
+            help="Field shown as colour, or none.",
+            autocompletion=completion.fields,
+        ),
     ] = None,
     fps: Annotated[float | None, typer.Option("--fps", help="Frames per second of a video.")] = None,
     size: Annotated[

@@ -25,12 +25,13 @@ def schema(
         raise typer.BadParameter("does not go with --markdown", param_hint="--results")
     import json
 
-    from ...scenario.views.reference import json_schema, markdown_reference
+    from ...scenario.views.editor import editor_schema
+    from ...scenario.views.reference import markdown_reference
     from ..console import emit
     from ..result_schema import result_schema
 
     if markdown:
         emit(markdown_reference())
     else:
-        emit(json.dumps(result_schema() if results else json_schema(), indent=2))
+        emit(json.dumps(result_schema() if results else editor_schema(), indent=1))
     return 0

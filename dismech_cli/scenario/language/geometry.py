@@ -8,7 +8,7 @@ from annotated_types import Len
 from pydantic import Field, Strict, model_validator
 
 from ..values.quantity import Angle, DirectionTriple, FileName, LengthTriple, Name, PositiveLength, Quantity
-from ..values.spec import Spec, exactly_one, problem
+from ..values.spec import Spec, exactly_one, exclusive, problem
 from .section import RoundSection, Section
 from .shape import Shape
 from .surface import Surface
@@ -81,6 +81,8 @@ class NaturalStrain(Spec):
 
 class Rod(Spec):
     """A slender rod, or a network of rods if its mesh branches."""
+
+    model_config = exclusive(("radius", "section"), ("generate", "mesh"))
 
     type: Literal["rod"] = Field(description="Kind of body.")
     name: Name = Field(description="Its name, for selections and results.")
@@ -157,6 +159,8 @@ class NaturalShape(Spec):
 
 class Shell(Spec):
     """A thin elastic surface; its group `boundary` holds the nodes of its rims."""
+
+    model_config = exclusive(("generate", "mesh"))
 
     type: Literal["shell"] = Field(description="Kind of body.")
     name: Name = Field(description="Its name, for selections and results.")

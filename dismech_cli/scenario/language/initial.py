@@ -5,18 +5,14 @@ from __future__ import annotations
 from typing import Annotated, Literal, TypeAlias
 
 from annotated_types import Len
-from pydantic import Field, Strict, Tag, model_validator
+from pydantic import ConfigDict, Field, Strict, Tag, model_validator
 
 from ..values.law import PlaceLaws
 from ..values.quantity import Column, FileName, FileReference, Index, Time
 from ..values.selection import SelectedNodes
 from ..values.spec import Spec, problem, tag, told_by_key
 
-RunName: TypeAlias = Annotated[
-    str,
-    FileReference(folder=True),
-    Field(min_length=1, max_length=1000, json_schema_extra={"x-folder": True}),
-]
+RunName: TypeAlias = Annotated[str, FileReference(folder=True), Field(min_length=1, max_length=1000)]
 
 
 class FromRun(Spec):
@@ -24,6 +20,8 @@ class FromRun(Spec):
 
     The clock starts at 0, and loads and motions go by the laws of this scenario.
     """
+
+    model_config = ConfigDict(json_schema_extra={"allOf": [{"not": {"required": ["at", "frame"]}}]})
 
     run: RunName = Field(
         description="Folder of the run, relative to this file, or a checkpoint of it or the copy that a run "

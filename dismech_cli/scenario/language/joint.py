@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 
 from ..values.quantity import PositiveLength
 from ..values.selection import JoinedNode, JoinedPair
-from ..values.spec import Spec, exactly_one, problem
+from ..values.spec import Spec, exactly_one, exclusive, problem
 from .seam import Seam
 
 
@@ -36,6 +36,8 @@ class HingeJoint(Spec):
 
     Nodes that a shell and another body take from one mesh file are joined so without being asked.
     """
+
+    model_config = exclusive(("nodes", "where"))
 
     type: Literal["hinge"] = Field(description="Kind of joint.")
     nodes: JoinedPair | None = Field(default=None, description="The two nodes; this or `where`.")

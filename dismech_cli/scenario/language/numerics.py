@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, TypeAlias
+from typing import Annotated, Any, Literal, TypeAlias
 
-from pydantic import Field
+from pydantic import ConfigDict, Field
 
 from ..values.quantity import PositiveTime, Quantity
 from ..values.spec import Spec
@@ -93,8 +93,21 @@ class Step(Spec):
     )
 
 
+_STATIC_HAS_NO_TIME: dict[str, Any] = {
+    "if": {
+        "required": ["integrator"],
+        "properties": {
+            "integrator": {"required": ["type"], "properties": {"type": {"const": "static"}}},
+        },
+    },
+    "then": {"not": {"anyOf": [{"required": ["dt"]}, {"required": ["t_end"]}]}},
+}
+
+
 class Numerics(Spec):
     """How the equations are stepped and solved."""
+
+    model_config = ConfigDict(json_schema_extra={"allOf": [_STATIC_HAS_NO_TIME]})
 
     integrator: Integrator = Field(default=TrBdf2(type="tr_bdf2"), description="Time integrator.")
     dt: PositiveTime | None = Field(default=None, description="Time step; required unless static.")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from contextvars import ContextVar
 from dataclasses import dataclass
-from typing import Annotated, Any, TypeAlias
+from typing import Annotated, Any, Final, TypeAlias
 
 from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic.json_schema import JsonSchemaValue
@@ -47,6 +47,9 @@ class LawOf:
         }
 
 
+OF_FIELD: Final = "x-of-field"
+"""Marks a value in the JSON Schema of a law whose quantity is that of the law's field."""
+
 # The law models are shared by all quantities; the field being validated says which one is meant.
 _FIELD: ContextVar[LawOf] = ContextVar("law field")
 _PLAIN = LawOf("ratio")
@@ -62,7 +65,7 @@ class _FieldQuantity:
     def __get_pydantic_json_schema__(
         self, schema: CoreSchema, handler: GetJsonSchemaHandler
     ) -> JsonSchemaValue:
-        return {"anyOf": [{"type": "number"}, {"type": "string"}]}
+        return {"anyOf": [{"type": "number"}, {"type": "string"}], OF_FIELD: True}
 
 
 def variables_here() -> tuple[str, ...]:
@@ -87,8 +90,13 @@ class TimeAndValue:
     def __get_pydantic_json_schema__(
         self, schema: CoreSchema, handler: GetJsonSchemaHandler
     ) -> JsonSchemaValue:
-        item = {"anyOf": [{"type": "number"}, {"type": "string"}]}
-        return {"type": "array", "items": item, "minItems": 2, "maxItems": 2}
+        time = {
+            "anyOf": [{"type": "number"}, {"type": "string"}],
+            "x-unit": KINDS["time"].unit,
+            "x-quantity": "time",
+        }
+        value = {"anyOf": [{"type": "number"}, {"type": "string"}], OF_FIELD: True}
+        return {"type": "array", "items": {"anyOf": [time, value]}, "minItems": 2, "maxItems": 2}
 
 
 def _row(pair: object) -> tuple[float, float]:

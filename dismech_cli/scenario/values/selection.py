@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum, auto
-from typing import Annotated, Any, TypeAlias
+from typing import Annotated, Any, Final, TypeAlias
 
 from annotated_types import Len
 from pydantic import Field, GetJsonSchemaHandler, Strict, Tag, model_validator
@@ -12,7 +12,7 @@ from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema
 
 from .quantity import DirectionTriple, Index, LengthTriple, Name, PositiveLength
-from .spec import Spec, exactly_one, problem, tag, told_by_key
+from .spec import Spec, exactly_one, exclusive, problem, tag, told_by_key
 
 IndexRange: TypeAlias = Annotated[tuple[Index, ...], Len(2, 2), Strict(False)]
 Indices: TypeAlias = Annotated[tuple[Index, ...], Len(1, 10_000_000), Strict(False)]
@@ -33,6 +33,8 @@ class Selects(Enum):
 
 class IndexSet(Spec):
     """Nodes of a body or edges of a rod by number, from 0."""
+
+    model_config = exclusive(("indices", "range"))
 
     of: Name = Field(description="Name of the body.")
     indices: Indices | None = Field(default=None, description="Numbers.")
@@ -74,6 +76,9 @@ class Sphere(Spec):
     radius: PositiveLength = Field(description="Its radius.")
 
 
+_GROUP: Final = r"^[A-Za-z_][A-Za-z0-9_-]{0,63}(\.\S.{0,99})?$"
+
+
 class GroupSelection(Spec):
     """A named group; text is short for it.
 
@@ -81,9 +86,7 @@ class GroupSelection(Spec):
     of a shell, `sheet.left` and the like the groups of a generated one, `beam.NAME` those of a mesh.
     """
 
-    group: str = Field(
-        pattern=r"^[A-Za-z_][A-Za-z0-9_-]{0,63}(\.\S.{0,99})?$", description="Name of the group."
-    )
+    group: str = Field(pattern=_GROUP, description="Name of the group.")
 
     @model_validator(mode="before")
     @classmethod
@@ -134,7 +137,7 @@ class _TextToo:
     def __get_pydantic_json_schema__(
         self, schema: CoreSchema, handler: GetJsonSchemaHandler
     ) -> JsonSchemaValue:
-        return {"anyOf": [{"type": "string"}, handler(schema)]}
+        return {"anyOf": [{"type": "string", "pattern": _GROUP}, handler(schema)]}
 
 
 Selection: TypeAlias = Annotated[

@@ -66,3 +66,9 @@ def exactly_one(spec: BaseModel, *keys: str) -> None:
     if len(given) != 1:
         what = "none" if not given else " and ".join(repr(key) for key in given)
         raise problem(f"expected exactly one of {', '.join(map(repr, keys))}; got {what}")
+
+
+def exclusive(*pairs: tuple[str, ...]) -> ConfigDict:
+    """The configuration of a class of whose keys exactly one of each tuple is given, for its JSON Schema."""
+    rules: list[Any] = [{"oneOf": [{"required": [key]} for key in keys]} for keys in pairs]
+    return ConfigDict(json_schema_extra={"allOf": rules})
