@@ -60,17 +60,33 @@ class DragInFlow:
             return self.drag.couplings
         return (*self.drag.couplings, Coupling(self.drag.loaded, symmetric=False))
 
+    @property
+    def wet(self) -> IntArray:
+        """Nodes in the fluid, ascending, shape (W,)."""
+        d = self.dofs.dimension
+        nodes: IntArray = np.unique(self.drag.loaded[:, ::d] // d)
+        return nodes
+
+    def refuse_infinite(self, q: FloatArray) -> None:
+        """Refuse a flow that has no value or slope at the start, at positions ``q`` (n,).
+
+        Raises:
+            LawError: It has none.
+        """
+        x = self.dofs.space_positions(q)[self.wet]
+        for component in self.flow:
+            component.value(0.0, x)
+            component.gradient(0.0, x)
+
     def bind(self, pattern: Pattern, driver: Driver) -> BoundDragInFlow:
         """Bind the drag and find the nodes that are in the fluid."""
-        loaded, d = self.drag.loaded, self.dofs.dimension
+        loaded = self.drag.loaded
         slots = None
         if not self.uniform:
             count = loaded.shape[1]
             i, j = np.divmod(np.arange(count**2), count)
             slots = pattern.slots_of(loaded[:, i], loaded[:, j])
-        return BoundDragInFlow(
-            self.name, self, self.drag.bind(pattern, driver), np.unique(loaded[:, ::d] // d), slots
-        )
+        return BoundDragInFlow(self.name, self, self.drag.bind(pattern, driver), self.wet, slots)
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,8 @@ import pytest
 from decks import Deck, given_section, line, rod_deck, scalar, solve, tip
 from numpy.testing import assert_allclose
 from shell_decks import DOWN, shell_deck
+
+from dismech_cli.errors import ScenarioError
 
 WIND = 1.7
 """Speed of the rising air [m/s]."""
@@ -105,3 +108,30 @@ def test_work_of_a_current(tmp_path: Path) -> None:
     assert_allclose(kinetic, half, rtol=1e-6)
     # what the drag does on the rod, heat already taken off; second order in dt c / m = 0.025
     assert_allclose(work, half, rtol=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("velocity", "message"),
+    [
+        (
+            [{"expression": "log(z)"}, 0.0, 0.0],
+            "'log(z)' has no finite value or slope at t = 0 s and (0, 0, 0) m",
+        ),
+        ([{"expression": "s"}, 0.0, 0.0], "'s' has no meaning here; known: 't', 'x', 'y' or 'z'"),
+        ([0.0, 1.0, 0.0], "has a part in y, out of the plane of the scene"),
+        ([{"expression": "sawtooth(t, x)"}, 0.0, 0.0], "the width of a sawtooth depends on x here"),
+        (["1 m", 0.0, 0.0], "expected a velocity"),
+    ],
+)
+def test_flows_that_are_refused(tmp_path: Path, velocity: list[Any], message: str) -> None:
+    drag = {"type": "viscous", "coefficient": 5.0, "fluid_velocity": velocity}
+    numerics = {"integrator": {"type": "newmark"}, "dt": 0.005, "t_end": 0.01}
+    with pytest.raises(ScenarioError, match=re.escape(message)):
+        solve(tmp_path, rod_deck(line(5), motions=[], forces=[drag], numerics=numerics))
+
+
+def test_stability_under_a_stream_is_not_asked_of_signs(tmp_path: Path) -> None:
+    drag = {"type": "viscous", "coefficient": 5.0, "fluid_velocity": [1.0, 0.0, 0.0]}
+    output = {"probes": {"n": {"negative_eigenvalues": True}}}
+    with pytest.raises(ScenarioError, match="moving fluids make the stiffness unsymmetric"):
+        solve(tmp_path, rod_deck(line(5), forces=[drag], output=output))

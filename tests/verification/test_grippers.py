@@ -284,5 +284,11 @@ def test_places_that_do_not_exist(tmp_path: Path) -> None:
     with pytest.raises(ScenarioError, match=r"motions\[0\].displacement\[0\]: 's' goes along a rod"):
         attempt(tmp_path, deck)
     deck["motions"][0]["displacement"][0] = {"expression": "r*t"}
+    deck["motions"][0]["displacement"][0] = {"expression": "t + 1/x"}
+    with pytest.raises(
+        ScenarioError, match=r"displacement\[0\]: the expression 't \+ 1/x' has no finite value"
+    ):
+        attempt(tmp_path, deck)
+    deck["motions"][0]["displacement"][0] = {"expression": "r*t"}
     with pytest.raises(ScenarioError, match="'r' has no meaning here; known: 't', 's', 'x', 'y' or 'z'"):
         attempt(tmp_path, deck)

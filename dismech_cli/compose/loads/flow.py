@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from ...errors import LawError
 from ...laws.expression import ExpressionError, compile_expression
 from ...laws.field import SPACE, Field, Spatial, Uniform
 from ...model.flow import Drag, DragInFlow
@@ -19,7 +20,8 @@ def in_flow(
     """A drag in the fluid that the scenario says; itself where the fluid is still.
 
     Raises:
-        ScenarioError: The fluid leaves the plane of a planar scene, or its velocity has no slope.
+        ScenarioError: The fluid leaves the plane of a planar scene, or its velocity has no value or slope
+            where the bodies rest.
     """
     if velocity is None:
         return drag
@@ -32,7 +34,12 @@ def in_flow(
     for axis, one in enumerate(fields):
         if axis not in axes and not (isinstance(one, Uniform) and vanishes(one.law)):
             raise scene.error(key, f"has a part in {'xyz'[axis]}, out of the plane of the scene")
-    return DragInFlow(drag, tuple(fields[axis] for axis in axes), structure.dofs)
+    drag_in_flow = DragInFlow(drag, tuple(fields[axis] for axis in axes), structure.dofs)
+    try:
+        drag_in_flow.refuse_infinite(structure.rest)
+    except LawError as error:
+        raise scene.error(key, str(error)) from error
+    return drag_in_flow
 
 
 def _field(spec: LawSpec, laws: ToLaw) -> Field:

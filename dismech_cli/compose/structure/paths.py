@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
+from ...errors import LawError
 from ...kinematics.rigid import Rigid, Turn
 from ...laws.expression import compile_expression
 from ...laws.laws import Constant, Law
@@ -93,7 +94,8 @@ def laws_of_places(
         to_law: How it is taken.
 
     Raises:
-        ScenarioError: One depends on the place along a rod, but a node has none.
+        ScenarioError: One depends on the place along a rod, but a node has none; or has no value at
+            the start.
     """
     places = along_rods(scene.geometry)[nodes]
     columns = dict(zip(_SPACE, scene.geometry.nodes[nodes].T, strict=True))
@@ -107,7 +109,12 @@ def laws_of_places(
             raise scene.error(
                 (*path, axis), f"'s' goes along a rod that is one open line, but node {lone} is on none"
             )
-        laws.append(to_law(spec, {name: columns[name] for name in _SPACE if name in used}))
+        law = to_law(spec, {name: columns[name] for name in _SPACE if name in used})
+        try:
+            law(0.0, places)
+        except LawError as error:
+            raise scene.error((*path, axis), str(error)) from error
+        laws.append(law)
     return PlacedLaws(tuple(laws), places)
 
 

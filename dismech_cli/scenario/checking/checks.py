@@ -177,10 +177,13 @@ def _output(scenario: Scenario) -> Iterator[Finding]:
         for path, probe in probes(scenario):
             if isinstance(probe, StabilityProbe):
                 yield path, "eigenvalues are computed in static runs only"
-    elif any(getattr(force, "follower", False) for force in scenario.forces):
+    elif any(getattr(force, "follower", False) or force.acts_at_rest for force in scenario.forces):
         for path, probe in probes(scenario):
             if isinstance(probe, StabilityProbe):
-                yield path, "a follower load makes the stiffness unsymmetric: its sign tells nothing"
+                message = (
+                    "follower loads and moving fluids make the stiffness unsymmetric: its sign tells nothing"
+                )
+                yield path, message
 
 
 def _expectations(scenario: Scenario) -> Iterator[Finding]:
