@@ -17,6 +17,7 @@ from ..output.jsonable import Json, to_json
 from ..scenario.load import load
 from ..solve.linear.choice import choose_solver
 from ..solve.system import System
+from .joints import JointLine, joint_lines
 
 # Measured on one core of 2.5 GHz: seconds per Newton iteration, fixed, per edge and per triangle,
 # linear solve included; factors of a surface fill by a power of its size. Good within a factor of three.
@@ -84,6 +85,7 @@ class Finding:
         path: Its file, as given.
         bodies: Their sizes.
         notes: What was made of its meshes.
+        joints: What joins them, and what passes.
         decisions: The plan with its reasons.
         warnings: Implausible values.
         cost: Size and price.
@@ -92,6 +94,7 @@ class Finding:
     path: Path
     bodies: tuple[Extent, ...]
     notes: tuple[str, ...]
+    joints: tuple[JointLine, ...]
     decisions: tuple[Decision, ...]
     warnings: tuple[str, ...]
     cost: Cost
@@ -103,6 +106,7 @@ class Finding:
             "ok": True,
             "bodies": to_json([asdict(body) for body in self.bodies]),
             "notes": list(self.notes),
+            "joints": to_json([asdict(joint) for joint in self.joints]),
             "plan": to_json([asdict(decision) for decision in self.decisions]),
             "warnings": list(self.warnings),
             "cost": to_json(asdict(self.cost)),
@@ -115,6 +119,7 @@ class Finding:
                 f"{self.path}: ok",
                 *(f"  {body}" for body in self.bodies),
                 *(f"  {note}" for note in self.notes),
+                *(f"  {joint}" for joint in self.joints),
                 *(f"  {d.what}\n    because: {d.why}" for d in self.decisions),
                 f"  {c.free} free of {c.dofs} DOFs, {c.entries} matrix entries, {c.solver} solver",
                 f"  {c.steps} steps, {c.frames} frames",
@@ -137,6 +142,7 @@ def inspect(path: Path, *, overrides: tuple[str, ...], profile: str | None, allo
         path,
         extents(composition.geometry),
         composition.geometry.notes,
+        joint_lines(composition.geometry, planar=loaded.scenario.dimension == 2),
         decisions,
         warnings,
         estimate(composition),

@@ -15,6 +15,7 @@ from dismech_cli import load
 from dismech_cli.compose.compose import Composition, compose
 from dismech_cli.compose.structure.plan import Bending
 from dismech_cli.errors import ScenarioError
+from dismech_cli.session.inspect import inspect
 
 OBJ = (Path(__file__).parents[1] / "data" / "cases" / "joint_beside_shell.obj").read_text(encoding="utf-8")
 MATERIAL = {"m": {"youngs_modulus": 1e9, "poisson_ratio": 0.4, "density": 1150.0}}
@@ -172,3 +173,89 @@ def test_a_released_rod_passes_what_is_left_to_its_own_partner_alone(tmp_path: P
 )
 def test_joints_that_do_nothing_are_refused(tmp_path: Path, joints: list[Deck], message: str) -> None:
     assert message in refused(tmp_path, three(*joints))
+
+
+def lines(folder: Path, deck: Deck) -> list[str]:
+    file = folder / "scene.yaml"
+    file.write_text(json.dumps(deck), encoding="utf-8")
+    found = inspect(file, overrides=(), profile=None, allow_outside=False)
+    return [str(line) for line in found.joints]
+
+
+def test_check_lists_every_joint(tmp_path: Path) -> None:
+    (tmp_path / "lsh.obj").write_text(OBJ, encoding="utf-8")
+    assert lines(tmp_path, beside_shell(True)) == [
+        "mesh file: tag[0] + a.end at (0.1, 0, 0) m: force",
+        "mesh file: tag[0] + b.start at (0.1, 0, 0) m: force",
+        "joints[0]: a.end + b.start at (0.1, 0, 0) m: force, bending, twist",
+    ]
+    deck = three(pair("rigid", "a", "b", release="twist"), pair("hinge", "a", "c"))
+    assert lines(tmp_path, deck) == [
+        "joints[0]: a.start + b.start at (0, 0, 0) m: force, bending",
+        "joints[1]: a.start + c.start at (0, 0, 0) m: force",
+    ]
+    released = crossing("rigid")
+    released["joints"] = [
+        {"type": "hinge", "where": {"nodes": {"of": "u", "indices": [2]}}, "release": "bending"}
+    ]
+    assert lines(tmp_path, released) == ["joints[0]: u[2] at (-0.5, 0, 0) m: force, twist"]
+
+
+@pytest.mark.parametrize("joints", ["auto", [{"type": "auto"}], [{"type": "auto", "join": "rigid"}]])
+def test_auto_welds_rods_that_touch(tmp_path: Path, joints: Any) -> None:
+    named = three(pair("rigid", "a", "b"), pair("rigid", "a", "c"))
+    named["forces"] = [{"type": "gravity", "acceleration": [0.3, -0.2, -9.81]}]
+    found = named | {"joints": joints}
+    assert_allclose(
+        solve(tmp_path, found).frames[-1].positions, solve(tmp_path, named).frames[-1].positions, atol=1e-14
+    )
+    assert lines(tmp_path, found) == [
+        f"joints[0]: {one}.start + {two}.start at (0, 0, 0) m: force, bending, twist"
+        for one, two in ("ab", "ac", "bc")
+    ]
+
+
+def test_auto_hinges_by_pair_and_tolerance(tmp_path: Path) -> None:
+    deck = three({"type": "auto", "between": ["c", "a"], "tolerance": "2 mm", "join": "hinge"})
+    deck["geometry"][2]["generate"]["from"] = [0.0, 0.001, 0.0]
+    assert lines(tmp_path, deck) == [
+        "joints[0]: a.start + c.start at (0, 0, 0) m, 0.001 m apart at most: force"
+    ]
+    assert (
+        "joins nothing: no nodes of two bodies lie within 2.5e-07 m of each other; the nearest are 0.001 m"
+        in (refused(tmp_path, deck | {"joints": [{"type": "auto", "between": ["a", "c"]}]}))
+    )
+
+
+def test_auto_leaves_named_nodes_alone(tmp_path: Path) -> None:
+    deck = three(pair("hinge", "a", "b"), {"type": "auto"})
+    # b and c would weld; b is named
+    assert lines(tmp_path, deck) == ["joints[0]: a.start + b.start at (0, 0, 0) m: force"]
+
+
+@pytest.mark.parametrize(
+    ("joint", "message"),
+    [
+        ({"tolerance": "0.2 m"}, "joints[0].tolerance: is more than half of the shortest edge, 0.25 m"),
+        ({"between": ["a", "d"]}, "joints[0].between[1]: no rod is named 'd'"),
+        ({"between": ["a", "a"]}, "joints[0].between: names one body twice"),
+    ],
+)
+def test_wrong_auto_joints_are_told(tmp_path: Path, joint: Deck, message: str) -> None:
+    assert message in refused(tmp_path, three({"type": "auto"} | joint))
+
+
+def test_check_tells_where_clamps_act(tmp_path: Path) -> None:
+    deck = three(pair("rigid", "a", "b"))
+    deck["motions"] = [
+        {"type": "clamp", "where": {"nodes": {"of": "a", "range": [3, 4]}}, "at": "edge"},
+        {"type": "clamp", "where": "b.end"},
+    ]
+    said = {d.what: d.why for d in made(tmp_path, deck).plan.decisions if d.what.startswith("clamp")}
+    assert list(said) == [
+        "clamp motions[0] holds 2 nodes and 1 edge of rods",
+        "clamp motions[1] holds 1 node and 0 edges of rods",
+    ]
+    edge, node = said.values()
+    assert "half an edge further on than at: node" in edge
+    assert "1 end of them by a wall behind it" in node

@@ -197,6 +197,14 @@ FINS = "v 0 0 0\nv 0 1 0\nv 1 0 0\nv -1 0 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 2 5\
 THREE: Deck = {"type": "shell", "name": "sheet", "material": "rubber", "thickness": 2e-3}
 
 
+def passes_nothing_but_force(made: Composition) -> None:
+    assert [one.passes for one in made.geometry.joined] == [()]
+
+
+def passes_everything(made: Composition) -> None:
+    assert [one.passes for one in made.geometry.joined] == [("bending", "twist")]
+
+
 def moves(made: Composition) -> None:
     assert_array_equal(made.simulation.start.v.reshape(-1, 2)[:3], [[0, 0], [1, 3], [4, 6]])
 
@@ -221,6 +229,8 @@ HELIX: Deck = {
     "handedness": "left",
     "nodes": 9,
 }
+
+TOUCHING = [rod([0.0, 0.0, 0.0], [0.1, 0.0, 0.0], "a"), rod([0.1, 0.0, 0.0], [0.2, 0.0, 0.0], "b")]
 
 BODIES = {
     "round section": Rare(
@@ -277,6 +287,16 @@ BODIES = {
         ),
         bends_freely,
         choices=frozenset({("release", "bending")}),
+    ),
+    "auto hinge": Rare(
+        shell_deck(geometry=TOUCHING, joints=[{"type": "auto", "join": "hinge"}]),
+        passes_nothing_but_force,
+        choices=frozenset({("join", "hinge")}),
+    ),
+    "auto rigid": Rare(
+        shell_deck(geometry=TOUCHING, joints=[{"type": "auto", "join": "rigid"}]),
+        passes_everything,
+        choices=frozenset({("join", "rigid")}),
     ),
     "velocity in a file": Rare(
         rod_deck(

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ...arrays import FloatArray, IntArray
+from ...arrays import BoolArray, FloatArray, IntArray
 from ...errors import ScenarioError
 from ...mesh.measure import edge_lengths, triangle_areas
 from ...scenario.language.geometry import Rod, Shell
@@ -28,11 +28,36 @@ class ShellWeld:
         edge: The rod's edge.
         node: The node that it shares with the shell.
         joint: Place of the joint in the scenario's list.
+        release: What alone does not pass, or None.
+        footprint: Distance [m] from the node within which triangles turn with the rod.
     """
 
     edge: int
     node: int
     joint: int
+    release: str | None
+    footprint: float
+
+
+@dataclass(frozen=True, slots=True)
+class Joined:
+    """Two bodies that share a node, or a node within one that is released.
+
+    Attributes:
+        joint: Place of the joint in the scenario's list, or None where a mesh file says so.
+        bodies: Their names.
+        members: The node in the words of either.
+        node: Which it is.
+        passes: Which of bending and twist pass there.
+        gap: How far apart its two nodes were [m], 0 for round-off.
+    """
+
+    joint: int | None
+    bodies: tuple[str, ...]
+    members: tuple[str, ...]
+    node: int
+    passes: tuple[str, ...]
+    gap: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,6 +96,7 @@ class Geometry:
         turning: Which of its edges turn as one where they meet.
         shell_welds: Edges of rods that turn with a shell.
         seams: Sides along which shells are welded.
+        joined: What became one.
         files: File of each body's mesh, or None, and its nodes' numbers there.
         notes: What the mesh readers said.
     """
@@ -93,6 +119,7 @@ class Geometry:
     turning: Turning
     shell_welds: tuple[ShellWeld, ...]
     seams: tuple[WeldedSides, ...]
+    joined: tuple[Joined, ...]
     files: Mapping[str, tuple[Path, IntArray]]
     notes: tuple[str, ...]
 
@@ -118,6 +145,13 @@ class Geometry:
     def on_shell(self) -> IntArray:
         """Nodes of the shells."""
         return np.unique(self.triangles)
+
+    @property
+    def carries_shell(self) -> BoolArray:
+        """Which nodes are on a shell, shape (N,)."""
+        out = np.zeros(len(self.nodes), dtype=np.bool_)
+        out[self.triangles] = True
+        return out
 
     def triangles_of(self, shell: str) -> IntArray:
         """Indices of the triangles of a shell."""
@@ -187,6 +221,7 @@ def assemble_geometry(loaded: LoadedScenario) -> Geometry:
         turning=whole(all_edges),
         shell_welds=(),
         seams=(),
+        joined=(),
         files=files,
         notes=tuple(notes),
     )

@@ -13,7 +13,6 @@ from ...arrays import FloatArray, IntArray
 from ...energies.rod_shell import rod_shell_terms
 from ...kinematics.rod_frames import RodFrames
 from ...model.stencil import StencilEnergy
-from ...scenario.language.joint import RigidJoint
 from ..bodies.geometry import Geometry, ShellWeld
 from ..scene import Scene
 from ..structure.structure import Structure
@@ -30,10 +29,8 @@ def weld_energies(scene: Scene, structure: Structure) -> tuple[StencilEnergy, ..
         return ()
     far, faces, share, stiffness = [], [], [], []
     for weld in geometry.shell_welds:
-        joint = scene.scenario.joints[weld.joint]
-        assert isinstance(joint, RigidJoint)
         other = int(geometry.edges[weld.edge].sum()) - weld.node
-        found = _faces(geometry, weld, other, _footprint(geometry, weld, joint))
+        found = _faces(geometry, weld, other, weld.footprint)
         if len(found) == 0:
             raise scene.error(
                 ("joints", weld.joint), "the rod lies along every triangle around this node; weld another"
@@ -41,7 +38,7 @@ def weld_energies(scene: Scene, structure: Structure) -> tuple[StencilEnergy, ..
         far.append(np.full(len(found), other))
         faces.append(found)
         share.append(geometry.areas[found] / geometry.areas[found].sum())
-        stiffness.append(_stiffness(geometry, weld, joint))
+        stiffness.append(_stiffness(geometry, weld))
     counts = [len(found) for found in faces]
     edge = np.repeat([weld.edge for weld in geometry.shell_welds], counts)
     node = np.repeat([weld.node for weld in geometry.shell_welds], counts)
@@ -62,14 +59,6 @@ def weld_energies(scene: Scene, structure: Structure) -> tuple[StencilEnergy, ..
     )
 
 
-def _footprint(geometry: Geometry, weld: ShellWeld, joint: RigidJoint) -> float:
-    """Distance [m] from the node within which triangles turn with the rod."""
-    if joint.footprint is not None:
-        return joint.footprint
-    radius: float = geometry.properties[geometry.edge_rod[weld.edge]].radius
-    return radius
-
-
 def _faces(geometry: Geometry, weld: ShellWeld, other: int, footprint: float) -> IntArray:
     """Triangles that turn with the rod: of the shells at the node, none of them with the rod's other node."""
     triangles = geometry.triangles
@@ -80,12 +69,12 @@ def _faces(geometry: Geometry, weld: ShellWeld, other: int, footprint: float) ->
     return np.flatnonzero((around | near) & ~(triangles == other).any(axis=1))
 
 
-def _stiffness(geometry: Geometry, weld: ShellWeld, joint: RigidJoint) -> FloatArray:
+def _stiffness(geometry: Geometry, weld: ShellWeld) -> FloatArray:
     """Stiffness against twist and against bending about m1 and m2 [N m], shape (3,)."""
     rod = geometry.properties[geometry.edge_rod[weld.edge]]
     half = 0.5 * geometry.lengths[weld.edge]
-    twist = 0.0 if joint.release == "twist" else rod.torsional
+    twist = 0.0 if weld.release == "twist" else rod.torsional
     # curvature 1 is a rotation about m2, curvature 2 one about m1
-    bending = (0.0, 0.0) if joint.release == "bending" else (rod.bending_2, rod.bending_1)
+    bending = (0.0, 0.0) if weld.release == "bending" else (rod.bending_2, rod.bending_1)
     stiffness: FloatArray = np.array((twist, *bending)) / half
     return stiffness

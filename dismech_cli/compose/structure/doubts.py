@@ -123,7 +123,7 @@ def _touching(scene: Scene) -> Iterator[str]:
             yield scene.loaded.warning(
                 ("geometry", key),
                 f"'{one}' and '{two}' touch, with nodes at the same place ({here}), but nothing joins them; "
-                "if they belong together, add a joint",
+                "if they belong together, add a joint, or joints: auto",
             )
 
 

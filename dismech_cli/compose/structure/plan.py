@@ -23,6 +23,7 @@ from ...scenario.language.probe import TwistProbe
 from ..bodies.geometry import Geometry
 from ..scene import Scene
 from ..shells.bending import bending_of
+from .clamps import clamp_words
 from .doubts import scene_doubts
 from .holds import Hold, twists
 
@@ -101,6 +102,7 @@ def make_plan(scene: Scene, holds: tuple[Hold, ...], kernels: str | None = None)
         bending = Bending.NONE
         decisions.append(Decision(bending.value, "the scene has shells only"))
     decisions += _shells(geometry)
+    decisions += [Decision(*words) for words in clamp_words(scene, holds)]
     static = isinstance(scenario.numerics.integrator, Static)
     if static:
         decisions.append(Decision("no inertia", "static: mass enters the weight only"))

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from ...words import hint, listed
 from ..language.actuation import ShellActuation
 from ..language.geometry import Body, Shell
+from ..language.joint import AutoJoint
 from ..language.probe import MeanPositionProbe
 from ..language.scenario import Scenario
 from ..language.seam import Seam
@@ -30,6 +31,7 @@ def name_findings(scenario: Scenario) -> Iterator[Finding]:
     yield from _selections(scenario)
     yield from _rod_names(scenario)
     yield from _shell_names(scenario)
+    yield from _joined_names(scenario)
 
 
 def _bodies(scenario: Scenario) -> Iterator[Finding]:
@@ -122,6 +124,20 @@ def _shell_names(scenario: Scenario) -> Iterator[Finding]:
     for path, name in named:
         if name not in shells:
             yield path, _unnamed("shell", name, shells, scenario)
+
+
+def _joined_names(scenario: Scenario) -> Iterator[Finding]:
+    """Bodies that joints name; a body is not joined to itself."""
+    kind = "body" if scenario.shells else "rod"
+    bodies = [body.name for body in scenario.geometry]
+    for i, joint in enumerate(scenario.joints):
+        if not isinstance(joint, AutoJoint) or joint.between is None:
+            continue
+        for k, name in enumerate(joint.between):
+            if name not in bodies:
+                yield ("joints", i, "between", k), f"no {kind} is named {name!r}{hint(name, bodies)}"
+        if joint.between[0] == joint.between[1]:
+            yield ("joints", i, "between"), "names one body twice; expected two"
 
 
 def _loaded(scenario: Scenario, key: str) -> Iterator[Finding]:

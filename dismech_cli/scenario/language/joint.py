@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, TypeAlias
+from dataclasses import dataclass
+from typing import Annotated, Any, Literal, TypeAlias
 
-from pydantic import Field, model_validator
+from annotated_types import Len
+from pydantic import Field, GetCoreSchemaHandler, GetJsonSchemaHandler, Strict, model_validator
+from pydantic.json_schema import JsonSchemaValue
+from pydantic_core import CoreSchema, core_schema
 
-from ..values.quantity import PositiveLength
+from ..values.quantity import Name, PositiveLength
 from ..values.selection import JoinedNode, JoinedPair
 from ..values.spec import Spec, exactly_one, exclusive, problem
 from .seam import Seam
+
+BodyPair: TypeAlias = Annotated[tuple[Name, ...], Len(2, 2), Strict(False)]
 
 
 class RigidJoint(Spec):
@@ -54,4 +60,42 @@ class HingeJoint(Spec):
         return self
 
 
-Joint: TypeAlias = Annotated[RigidJoint | HingeJoint | Seam, Field(discriminator="type")]
+class AutoJoint(Spec):
+    """Joins bodies wherever a node of one lies on a node of another; `joints: auto` is short for it.
+
+    Nodes that another joint names are left to it, and so are the two ends of one body.
+    """
+
+    type: Literal["auto"] = Field(description="Kind of joint.")
+    between: BodyPair | None = Field(default=None, description="Two bodies; default: all, pair by pair.")
+    tolerance: PositiveLength | None = Field(
+        default=None,
+        description="Greatest distance of two nodes that become one, at the place of the body listed first; "
+        "default: a millionth of the shortest edge.",
+    )
+    join: Literal["rigid", "hinge"] | None = Field(
+        default=None, description="How; default: rods rigidly to each other, shells by hinges."
+    )
+
+
+Joint: TypeAlias = Annotated[RigidJoint | HingeJoint | AutoJoint | Seam, Field(discriminator="type")]
+
+
+@dataclass(frozen=True, slots=True)
+class _AutoToo:
+    """Takes the word ``auto`` for a list of one joint, and tells editors so."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_before_validator_function(_spelt_out, handler(source))
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        return {"anyOf": [{"const": "auto"}, handler(schema)]}
+
+
+def _spelt_out(value: Any) -> Any:
+    return ({"type": "auto"},) if value == "auto" else value
+
+
+Joints: TypeAlias = Annotated[tuple[Joint, ...], Strict(False), _AutoToo()]

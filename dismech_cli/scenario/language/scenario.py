@@ -14,7 +14,7 @@ from .expect import Expectation
 from .force import Force
 from .geometry import Body, Rod, Shell
 from .initial import Initial
-from .joint import Joint
+from .joint import Joints
 from .mass import PointMass
 from .material import Material
 from .motion import InitialVelocity, Motion
@@ -46,8 +46,8 @@ class Scenario(Spec):
     plane: Literal["xz", "xy", "yz"] = Field(default="xz", description="Plane of a planar scene.")
     materials: dict[Name, Material] = Field(description="Materials by name.")
     geometry: Bodies = Field(description="Bodies.")
-    joints: Annotated[tuple[Joint, ...], Strict(False)] = Field(
-        default=(), description="Joints between bodies."
+    joints: Joints = Field(
+        default=(), description="Joints between bodies; `auto` joins all whose nodes coincide."
     )
     motions: Annotated[tuple[Motion, ...], Strict(False)] = Field(
         default=(), description="What is held or driven."
