@@ -1,11 +1,11 @@
-"""A rod clamped to a face of a shell: E = K_0 w_0^2 / 2 + (K_1 w_1^2 + K_2 w_2^2) / (2 + w_0^2 / 2).
+"""A rod clamped to a face of a shell: E = sum K_i (b_i - n_i)^2 / 2, b = (w_0, s w_1, s w_2).
 
 The face carries a copy (g0, g1, g2) of the frame (t, m1, m2) that the rod has at rest; w is the
 rotation vector 2 tan(phi/2) n from the rod's frame to that copy (Cayley's, twice Rodrigues'
 parameters), by components along the rod's frame. If the face is twisted about the rod by tau and then
-bent by phi, w_0 = 2 tan(tau/2), and what w_0 divides makes the rest 2 tan(phi/2), the discrete
-curvature of rods, whatever the twist: a joint may release either. Only angles between directions of
-the same state enter, so rigid motions cost nothing.
+bent by phi, w_0 = 2 tan(tau/2), and s = cos(tau/2) makes the rest 2 tan(phi/2), the discrete
+curvature of rods, whatever the twist: a joint may release either. The natural n is that of half an
+edge.
 
 The face turns with its normal and, about it, with the rotation of the polar decomposition of its
 deformation: stretching a sheet does not turn the rods on it. The tangent of the rod points to the
@@ -13,10 +13,10 @@ shell; a sign of -1 says that its edge runs the other way: then m1 stays, m2 and
 As in all energies of rods the second derivatives are those along paths on which the frame is
 parallel-transported, which are exact where frames are stored (Bergou et al. 2010).
 
-Parameters per stencil: K_0, K_1, K_2 [N m]; alpha, beta_u, beta_v [1/m], which write the unit vector
-along u at rest as alpha u and the one across it in the face as beta_u u + beta_v v; the components
-of the rod's rest frame (t, m1, m2) along, across and normal to the face [1]; the sign. Auxiliary
-inputs: m1, m2 of the rod's edge.
+Parameters per stencil: n_0, n_1, n_2 [1]; K_0, K_1, K_2 [N m]; alpha, beta_u, beta_v [1/m], which
+write the unit vector along u at rest as alpha u and the one across it in the face as
+beta_u u + beta_v v; the components of the rod's rest frame (t, m1, m2) along, across and normal to the
+face [1]; the sign. Auxiliary inputs: m1, m2 of the rod's edge.
 """
 
 from __future__ import annotations
@@ -65,23 +65,30 @@ def angle_column(angle: Any, vector: Any) -> Vector:
 @kernel
 def rod_on_face(y: Any, a: Any, p: Any) -> Any:
     """Energy, gradient and packed Hessian with respect to (e, u, v, theta)."""
-    e, u, v, s = y[0:3], y[3:6], y[6:9], p[15]
-    alpha, beta_u, beta_v = p[3], p[4], p[5]
+    e, u, v, s = y[0:3], y[3:6], y[6:9], p[18]
+    alpha, beta_u, beta_v = p[6], p[7], p[8]
     il = 1.0 / norm(e)
     d0, d1, d2 = scale(il, e), a[0:3], scale(s, a[3:6])
     f, h, n, size, area, pu, pv = face_frame(u, v, alpha, beta_u, beta_v)
-    g0 = combine(p[6], f, 1.0, combine(p[7], h, p[8], n))
-    g1 = combine(p[9], f, 1.0, combine(p[10], h, p[11], n))
-    g2 = combine(p[12], f, 1.0, combine(p[13], h, p[14], n))
+    g0 = combine(p[9], f, 1.0, combine(p[10], h, p[11], n))
+    g1 = combine(p[12], f, 1.0, combine(p[13], h, p[14], n))
+    g2 = combine(p[15], f, 1.0, combine(p[16], h, p[17], n))
     w = turn(d0, d1, d2, g0, g1, g2)
     w0, w1, w2 = dot(w, d0), dot(w, d1), dot(w, d2)
     # E(w) and its derivatives: twist enters bending through c
-    k0, k1, k2 = p[0], p[1], p[2]
+    k0, k1, k2 = p[3], p[4], p[5]
     c = 1.0 / (1.0 + 0.25 * w0 * w0)
     bent, dc = k1 * w1 * w1 + k2 * w2 * w2, -0.5 * c * c * w0
-    energy = 0.5 * (k0 * w0 * w0 + c * bent)
-    stress = combine(k0 * w0 + 0.5 * dc * bent, d0, c, combine(k1 * w1, d1, k2 * w2, d2))
-    curved = k0 + 0.25 * c * c * (c * w0 * w0 - 1.0) * bent
+    # what the natural strains add, with the root of c and its derivatives
+    n0, n1, n2 = k0 * p[0], k1 * p[1], k2 * p[2]
+    root = c**0.5
+    dr, ddr = -0.25 * root * c * w0, 0.25 * root * c * (0.75 * c * w0 * w0 - 1.0)
+    grown = n1 * w1 + n2 * w2
+    constant = 0.5 * (n0 * p[0] + n1 * p[1] + n2 * p[2])
+    energy = 0.5 * (k0 * w0 * w0 + c * bent) - n0 * w0 - root * grown + constant
+    x1, x2 = c * k1 * w1 - root * n1, c * k2 * w2 - root * n2
+    stress = combine(k0 * w0 - n0 + 0.5 * dc * bent - dr * grown, d0, 1.0, combine(x1, d1, x2, d2))
+    curved = k0 + 0.25 * c * c * (c * w0 * w0 - 1.0) * bent - ddr * grown
     # dE = m . (spin of the face - spin of the rod)
     m = transposed_turn(w, stress)
     iu, iv = scale(1.0 / area, u), scale(1.0 / area, v)
@@ -89,7 +96,7 @@ def rod_on_face(y: Any, a: Any, p: Any) -> Any:
 
     # second derivatives along the relative spin: E''_ij t_i t_j^T + (w m^T + m w^T)/4
     t0, t1, t2 = transposed_turn(w, d0), transposed_turn(w, d1), transposed_turn(w, d2)
-    mixed = combine(0.5 * curved, t0, dc, combine(k1 * w1, t1, k2 * w2, t2))
+    mixed = combine(0.5 * curved, t0, 1.0, combine(dc * k1 * w1 - dr * n1, t1, dc * k2 * w2 - dr * n2, t2))
     we, wu, wv, wt = slopes(scale(0.25, w), d0, il, s, n, iu, iv, pu, pv)
     ae, au, av, at = slopes(t0, d0, il, s, n, iu, iv, pu, pv)
     qe, qu, qv, qt = slopes(mixed, d0, il, s, n, iu, iv, pu, pv)
@@ -147,6 +154,8 @@ ROD_ON_FACE = Kernel(
     vectors=((0, 1), (1, 2), (1, 3)),
     angles=1,
     auxiliaries=6,
+    naturals=("n_0", "n_1", "n_2"),
+    scales=(("K_0",), ("K_1",), ("K_2",)),
     constants=(*_STIFFNESS, *_ACROSS, *_COSINES, "sign"),
 )
 ROD_BESIDE_FACE = replace(ROD_ON_FACE, function=rod_beside_face, nodes=5, vectors=((0, 1), (2, 3), (2, 4)))
@@ -163,7 +172,7 @@ def rod_shell_terms(
     directors: FloatArray,
     stiffness: FloatArray,
     places: IntArray,
-) -> tuple[StencilEnergy, ...]:
+) -> tuple[tuple[StencilEnergy, IntArray], ...]:
     """Build the energy of rods clamped to faces, stress-free in the rest shape.
 
     Args:
@@ -179,7 +188,7 @@ def rod_shell_terms(
         places: Auxiliary indices of both directors by component, shape (S, 6).
 
     Returns:
-        Energies with one stencil per pair of a rod and a face; none without pairs.
+        Energies with one stencil per pair of a rod and a face, and which pairs these are; none without pairs.
     """
     ends = triangles == rods[:, 1:]
     # corners in turn, the one at the joint first
@@ -192,6 +201,7 @@ def rod_shell_terms(
     frame = np.stack((tangent, directors[0], signs[:, None] * directors[1]), axis=1)
     cosines = np.einsum("sic,sjc->ijs", frame, rest).reshape(9, -1)
     parameters = {
+        **dict.fromkeys(ROD_ON_FACE.naturals, np.zeros(len(rods))),
         **dict(zip(_STIFFNESS, stiffness, strict=True)),
         **dict(zip(_ACROSS, across, strict=True)),
         **dict(zip(_COSINES, cosines, strict=True)),
@@ -206,5 +216,6 @@ def rod_shell_terms(
         if mine.any():
             stencil = np.column_stack((dofs.of_nodes(nodes[mine]).reshape(mine.sum(), -1), angles[mine]))
             values = {key: value[mine] for key, value in parameters.items()}
-            terms.append(StencilEnergy.of(label, energy, stencil, values, places[mine]))
+            term = StencilEnergy.of(label, energy, stencil, values, places[mine])
+            terms.append((term, np.flatnonzero(mine)))
     return tuple(terms)

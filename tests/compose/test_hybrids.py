@@ -342,3 +342,33 @@ def test_a_rod_that_ends_along_the_only_triangles_is_refused(refused: Any) -> No
         {"type": "hinge", "nodes": [rib, second]},
     ]
     assert "joints[0]: the rod lies along every triangle around this node; weld another" in refused(deck)
+
+
+@pytest.mark.parametrize("backwards", [False, True])
+@pytest.mark.parametrize("given", [False, True], ids=["driven", "given"])
+def test_a_rod_grows_from_a_held_plate_as_from_a_clamp(ran: Any, backwards: bool, given: bool) -> None:
+    """Its natural strains act on the half edge at the weld too, drawn towards it or from it."""
+    strains = {"curvature_1": 6.0, "curvature_2": 4.0 if backwards else -4.0, "twist": 5.0}
+    welded, clamped = strip(6, 10), strip(6, 10)
+    del clamped["geometry"][1], clamped["joints"]
+    hub, tip = ("start", "end") if backwards else ("end", "start")
+    for deck in (welded, clamped):
+        body = deck["geometry"][0]
+        if backwards:
+            line = body["generate"]
+            line["from"], line["to"] = line["to"], line["from"]
+        if given:
+            body["natural"] = strains
+        else:
+            deck["actuation"] = [
+                {"type": name, "rod": "rod", "value": {"table": [[0.0, 0.0], [1.0, value]]}}
+                for name, value in strains.items()
+            ]
+        deck["forces"] = [{"type": "point", "where": f"rod.{tip}", "force": [0.0, 1e-3, 2e-3]}]
+    welded["joints"][0]["nodes"][0] = f"rod.{hub}"
+    welded["motions"] = [{"type": "clamp", "where": "sheet"}]
+    clamped["motions"] = [{"type": "clamp", "where": f"rod.{hub}"}]
+    here, there = (ran(deck).frames[-1].positions[:6] for deck in (welded, clamped))
+    assert np.abs(there[:, 1:]).max() > 0.01
+    # half an edge twists by 0.05 rad: 2 tan(0.025) is 1e-5 more, over a length of 0.1 m
+    assert_allclose(here, there, atol=1e-6)

@@ -31,11 +31,16 @@ def about(axis: FloatArray, angle: float) -> FloatArray:
     return np.asarray(np.eye(3) + np.sin(angle) * k + (1.0 - np.cos(angle)) * k @ k)
 
 
+NATURAL = {"n_0": 0.4, "n_1": -0.3, "n_2": 0.2}
+
+
+@pytest.mark.parametrize("natural", [{}, NATURAL], ids=["at rest", "grown"])
 @pytest.mark.parametrize("toward", [True, False])
 @pytest.mark.parametrize("part", [0.0, 0.05, 0.3])
-def test_derivatives(toward: bool, part: float) -> None:
+def test_derivatives(toward: bool, part: float, natural: dict[str, float]) -> None:
     """At rest, slightly and largely disturbed, the rod's edge running to the joint or from it."""
     model, found = terms(toward)
+    found = tuple(term.having(natural) for term in found)
     q = model.rest + part * (disturbed(model, seed=3, size=1.0) - model.rest)
     stored = adapted(model, q)
     scale = np.full(len(q), 0.1)

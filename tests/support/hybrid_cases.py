@@ -49,7 +49,7 @@ def hybrid(toward: bool, nodes: FloatArray = NODES, faces: IntArray = FACES) -> 
     assert isinstance(model.frames, RodFrames)
     places = model.frames.director_places(np.zeros(2, dtype=np.int64))
     rest = model.frames.transport(model.frames.rest(model.rest), model.rest).auxiliary
-    on, beside = rod_shell_terms(
+    (on, _), (beside, _) = rod_shell_terms(
         "weld",
         model.dofs,
         nodes,

@@ -37,10 +37,10 @@ def make_elastic(scene: Scene, structure: Structure) -> Elastic:
         ScenarioError: A section, a list of natural strains, a weld or an actuation does not fit.
     """
     rods, shells = rod_energies(scene, structure), shell_energies(structure)
+    welds = weld_energies(scene, structure)
     terms = (
-        *driven_rods(scene, structure, rods),
+        *driven_rods(scene, structure, rods, welds),
         *stub_springs(scene, structure),
-        *weld_energies(scene, structure),
         *driven_shells(scene, structure, shells),
         *seam_energies(structure),
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -27,9 +27,15 @@ ROWS = {"stretch": 0, "curvature_1": 0, "curvature_2": 1, "twist": 2}
 
 
 def driven_rods(
-    scene: Scene, structure: Structure, rods: RodEnergies
+    scene: Scene, structure: Structure, rods: RodEnergies, welds: Sequence[tuple[StencilEnergy, Halves]]
 ) -> tuple[StencilEnergy | DrivenEnergy, ...]:
     """The elastic energies of the rods, driven where the scenario actuates them.
+
+    Args:
+        scene: The scene.
+        structure: What moves.
+        rods: Energies of the rods.
+        welds: Those of rods with shells, and what natural strains do to them.
 
     Raises:
         ScenarioError: An actuation acts out of plane, or its joints do not exist.
@@ -38,6 +44,7 @@ def driven_rods(
     of_edges: list[Drive] = []
     of_joints: list[Drive] = []
     of_corners: list[Drive] = []
+    of_welds: list[list[Drive]] = [[] for _ in welds]
     kinks = None if rods.corners is None else rods.corners.halves
     for index, actuation in enumerate(scene.scenario.actuation):
         if isinstance(actuation, ShellActuation):
@@ -68,10 +75,18 @@ def driven_rods(
         if actuation.type != "stretch":
             of_joints += _half_drives(rods.welds, rod, actuation, law)
             of_corners += _half_drives(kinks, rod, actuation, law)
+            for weld_drives, (_, halves) in zip(of_welds, welds, strict=True):
+                weld_drives += _half_drives(halves, rod, actuation, law)
     corners = None if rods.corners is None else rods.corners.energy
+    driven: list[tuple[StencilEnergy | None, list[Drive]]] = [
+        (rods.stretch, of_edges),
+        (rods.bending, of_joints),
+        (corners, of_corners),
+        *((energy, drives) for (energy, _), drives in zip(welds, of_welds, strict=True)),
+    ]
     return tuple(
         DrivenEnergy(energy, tuple(drives)) if drives else energy
-        for energy, drives in ((rods.stretch, of_edges), (rods.bending, of_joints), (corners, of_corners))
+        for energy, drives in driven
         if energy is not None
     )
 

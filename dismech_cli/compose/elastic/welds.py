@@ -10,19 +10,22 @@ from __future__ import annotations
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
-from ...energies.rod_shell import rod_shell_terms
+from ...energies.rod_shell import ROD_ON_FACE, rod_shell_terms
 from ...kinematics.rod_frames import RodFrames
 from ...model.stencil import StencilEnergy
 from ..bodies.geometry import Geometry, ShellWeld
 from ..scene import Scene
+from ..structure.joints import Joints, number_joints
 from ..structure.structure import Structure
+from .halves import Halves, halves_in_space
 
 
-def weld_energies(scene: Scene, structure: Structure) -> tuple[StencilEnergy, ...]:
-    """The energies of all welds.
+def weld_energies(scene: Scene, structure: Structure) -> tuple[tuple[StencilEnergy, Halves], ...]:
+    """The energies of all welds, and what natural strains of their rods do to them.
 
     Raises:
-        ScenarioError: A rod runs along the only triangles that it could turn with.
+        ScenarioError: A rod runs along the only triangles that it could turn with, or a list of natural
+            strains does not fit.
     """
     geometry, dofs, frames = scene.geometry, structure.dofs, structure.rod_frames
     if not geometry.shell_welds:
@@ -45,17 +48,55 @@ def weld_energies(scene: Scene, structure: Structure) -> tuple[StencilEnergy, ..
     assert isinstance(frames, RodFrames)
     places = frames.director_places(edge)
     rest = frames.transport(frames.rest(structure.rest), structure.rest)
-    return rod_shell_terms(
+    ends = np.column_stack((np.concatenate(far), node))
+    signs = np.where(geometry.edges[edge, 1] == node, 1.0, -1.0)
+    joints = _as_joints(scene, structure, edge, ends, signs)
+    terms = []
+    for energy, mine in rod_shell_terms(
         "welds",
         dofs,
         structure.positions,
-        np.column_stack((np.concatenate(far), node)),
+        ends,
         geometry.triangles[np.concatenate(faces)],
         dofs.of_angles(edge),
-        np.where(geometry.edges[edge, 1] == node, 1.0, -1.0),
+        signs,
         rest.auxiliary[places].reshape(-1, 2, 3).transpose(1, 0, 2),
         np.repeat(np.array(stiffness).T, counts, axis=1) * np.concatenate(share),
         places,
+    ):
+        some = joints.some(np.isin(np.arange(len(edge)), mine))
+        # the face turns as one: what bends is the rod's half alone, along its own axes
+        halves = halves_in_space(some, np.arange(len(mine)), np.zeros((len(mine), 3, 3)))
+        grown = halves.natural(scene)
+        terms.append((energy.having(dict(zip(ROD_ON_FACE.naturals, grown, strict=True))), halves))
+    return tuple(terms)
+
+
+def _as_joints(
+    scene: Scene, structure: Structure, edge: IntArray, ends: IntArray, signs: FloatArray
+) -> Joints:
+    """The welds as joints of half an edge with what bends nothing, one per face.
+
+    Args:
+        scene: The scene.
+        structure: What moves.
+        edge: Edge of the rod, shape (S,).
+        ends: Its far node and that at the joint, shape (S, 2).
+        signs: Whether it runs to the joint, shape (S,).
+    """
+    geometry = scene.geometry
+    triples, twice = ends[:, [0, 1, 1]], [0, 0]
+    rods = geometry.edge_rod[edge][:, None][:, twice]
+    half = 0.5 * geometry.lengths[edge]
+    return Joints(
+        triples,
+        edge[:, None][:, twice],
+        signs[:, None][:, twice],
+        np.stack((half, np.zeros_like(half)), axis=1),
+        rods,
+        number_joints(geometry, triples, rods),
+        np.zeros((len(edge), 2), dtype=np.bool_),
+        structure.skeleton.joints.counts,
     )
 
 
