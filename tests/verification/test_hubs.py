@@ -380,3 +380,24 @@ def test_nobody_sees_the_frame_of_a_hub(tmp_path: Path) -> None:
     # in free fall it follows: nothing is stressed, and the whole falls as one
     fallen = report.frames[-1].positions - report.frames[0].positions
     assert np.ptp(fallen[:, 2]) < 1e-6 * np.abs(fallen[:, 2]).max()
+
+
+def test_a_plane_grows_as_space_does(tmp_path: Path) -> None:
+    """Driven in its plane, with an arm drawn towards the hub; the planar hub has signs of its own."""
+    grown = []
+    for keys in ({"dimension": 3}, {"dimension": 2, "plane": "xy"}):
+        deck = star(T, 6, EQUAL, numerics=LARGE, **keys)
+        for body in deck["geometry"]:
+            body["director"] = [0.0, 0.0, 1.0]
+        line = deck["geometry"][1]["generate"]
+        line["from"], line["to"] = line["to"], line["from"]
+        deck["joints"][0]["nodes"][1] = "arm1.end"
+        deck["motions"] = deck["motions"][:1]
+        deck["actuation"] = [
+            {"type": "curvature_2", "rod": f"arm{k}", "value": {"table": [[0.0, 0.0], [1.0, value]]}}
+            for k, value in enumerate((0.9, -0.6, 1.2))
+        ]
+        grown.append(solve(tmp_path, deck).frames[-1].positions)
+    space, plane = grown
+    assert np.linalg.norm(space[-1] - T[-1]) > 0.2
+    assert_allclose(plane, space, atol=1e-9)
