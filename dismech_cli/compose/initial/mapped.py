@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...arrays import FloatArray
+from ...arrays import FloatArray, IntArray
 from ...errors import ScenarioError
 from ...geometry.rotation import orthonormal_to
 from ...kinematics.rod_frames import FrameState, RodFrames
@@ -48,14 +48,14 @@ def mapped(known: Known, geometry: Geometry, structure: Structure) -> Started:
     q, v = structure.rest.copy(), np.zeros(dofs.n)
     of_nodes = dofs.of_nodes(np.arange(skeleton.visible)).reshape(-1)
     q[of_nodes], v[of_nodes] = known.q[of_nodes], known.v[of_nodes]
-    before = {int(node): k for k, node in enumerate(known.structure["walls"])}
-    for k, node in enumerate(skeleton.wall_nodes):
-        here = dofs.of_nodes(np.array(skeleton.visible + k))
-        if int(node) in before:
-            there = dofs.of_nodes(np.array(skeleton.visible + before[int(node)]))
+    before = {behind: k for k, behind in enumerate(_counted(known.structure["walls"]))}
+    for k, behind in enumerate(_counted(skeleton.wall_nodes)):
+        node, here = behind[0], dofs.of_nodes(np.array(skeleton.visible + k))
+        if behind in before:
+            there = dofs.of_nodes(np.array(skeleton.visible + before[behind]))
             q[here], v[here] = known.q[there], known.v[there]
         else:
-            (other,) = set(geometry.edges[skeleton.owners[k]].tolist()) - {int(node)}
+            (other,) = set(geometry.edges[skeleton.owners[k]].tolist()) - {node}
             ends = dofs.of_nodes(np.array([node, other]))
             q[here] = 2.0 * q[ends[0]] - q[ends[1]]
     walls = len(known.structure["walls"])
@@ -79,11 +79,21 @@ def mapped(known: Known, geometry: Geometry, structure: Structure) -> Started:
     return Started(q, v, frames)
 
 
+def _counted(nodes: IntArray) -> list[tuple[int, int]]:
+    """Nodes with walls or stubs, each with how many at it came before: two hubs may share one."""
+    counts: dict[int, int] = {}
+    out = []
+    for node in nodes.tolist():
+        out.append((node, counts.get(node, 0)))
+        counts[node] = counts.get(node, 0) + 1
+    return out
+
+
 def _rods(
     known: Known,
     structure: Structure,
     split: int,
-    before: dict[int, int],
+    before: dict[tuple[int, int], int],
     start: tuple[FloatArray, FloatArray],
     frames: FrameState,
 ) -> FrameState:
@@ -92,8 +102,8 @@ def _rods(
     assert isinstance(rods, RodFrames)
     edges = len(skeleton.edges) - len(skeleton.wall_nodes)
     source = [
-        edges + before[int(node)] if int(node) in before else int(owner)
-        for node, owner in zip(skeleton.wall_nodes, skeleton.owners, strict=True)
+        edges + before[behind] if behind in before else int(owner)
+        for behind, owner in zip(_counted(skeleton.wall_nodes), skeleton.owners, strict=True)
     ]
     columns = np.concatenate((np.arange(edges), np.array(source, dtype=np.int64)))
     q, v = start

@@ -19,6 +19,7 @@ from ..scene import Scene
 from ..structure.paths import laws_of_places
 from ..structure.structure import Structure
 from ..structure.velocities import initial_velocity
+from .hubs import settled
 from .known import known_state
 from .mapped import Started, mapped
 
@@ -85,6 +86,7 @@ def _displaced(scene: Scene, structure: Structure, entries: Sequence[Displaced])
     rest = structure.rest
     q = rest.copy()
     q[: dofs.n_positions] += dofs.project(moved).reshape(-1)
+    q = settled(structure, q)
     frames = structure.frames.transport(structure.frames.rest(rest), q).state
     edges = structure.shell_edges.edges
     if len(edges):

@@ -15,7 +15,7 @@ from ..bodies.geometry import Geometry
 from ..laws import vanishes
 from ..scene import Scene
 from ..shells.bending import bending_of
-from .hubs import hubs_of
+from .hubs import hub_nodes, hubs_of
 from .paths import ZERO, Path, path_of
 
 AXES = "xyz"
@@ -77,7 +77,7 @@ def drives(hold: Hold) -> bool:
 
 def twists(hold: Hold) -> bool:
     """Whether a hold turns edges."""
-    turned = hold.path.turning is not None and bool(hold.edges.size or hold.walls.size)
+    turned = hold.path.turning is not None and bool(hold.edges.size or hold.walls.size or hold.hubs.size)
     return turned or not vanishes(hold.twist)
 
 
@@ -114,8 +114,8 @@ def _hold(scene: Scene, index: int, motion: Motion) -> Hold:
 
 
 def _moved(hold: Hold, scene: Scene, index: int, motion: Clamp | Pin) -> Hold:
-    """The hold with its path; a wall goes the way of its node."""
-    nodes = np.concatenate((hold.nodes, np.sort(hold.walls)))
+    """The hold with its path; walls and stubs go the way of their nodes."""
+    nodes = np.concatenate((hold.nodes, np.sort(hold.walls), hub_nodes(scene.geometry, hold.hubs)))
     return replace(hold, path=path_of(scene, index, motion, nodes))
 
 

@@ -27,6 +27,14 @@ def hubs_of(geometry: Geometry) -> IntArray:
     return found
 
 
+def hub_nodes(geometry: Geometry, hubs: IntArray) -> IntArray:
+    """The node of each hub, shape (H,)."""
+    members = members_of(geometry, hubs)
+    _, first = np.unique(members.hub, return_index=True)
+    nodes: IntArray = geometry.edges[members.edge[first], members.side[first]]
+    return nodes
+
+
 @dataclass(frozen=True, slots=True)
 class Members:
     """Edges at hubs, by hub and edge.

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...arrays import BoolArray, FloatArray, IntArray
+from ...arrays import FloatArray, IntArray
 from ...mesh.measure import edge_lengths
 from ..bodies.geometry import Geometry
 from .corners import sharp_joints
@@ -76,7 +76,7 @@ def make_skeleton(geometry: Geometry, holds: tuple[Hold, ...]) -> Skeleton:
     members = members_of(geometry, hubs)
     walls = np.unique(np.concatenate([np.empty(0, dtype=np.int64), *(h.walls for h in holds)]))
     edge, side = _ends_at(geometry, walls)
-    first, first_side = _first_of(members, rigid)
+    first, first_side = _first_of(members)
     owners, sides = np.concatenate((edge, first)), np.concatenate((side, first_side))
     long = np.concatenate((np.ones(len(edge)), np.full(len(first), _STUB)))[:, None]
     nodes, others = geometry.edges[owners, sides], geometry.edges[owners, 1 - sides]
@@ -123,8 +123,7 @@ def _ends_at(geometry: Geometry, nodes: IntArray) -> tuple[IntArray, IntArray]:
     return edge[order], side[order]
 
 
-def _first_of(members: Members, rigid: BoolArray) -> tuple[IntArray, IntArray]:
-    """The edge that each stub continues: one that is held, or the first; and its end, each shape (H,)."""
-    order = np.lexsort((~rigid[members.edge], members.hub))
-    _, first = np.unique(members.hub[order], return_index=True)
-    return members.edge[order][first], members.side[order][first]
+def _first_of(members: Members) -> tuple[IntArray, IntArray]:
+    """The edge that each stub continues, and its end at the hub, each shape (H,)."""
+    _, first = np.unique(members.hub, return_index=True)
+    return members.edge[first], members.side[first]
