@@ -84,6 +84,17 @@ class Cost(_Strict):
     disk: float
 
 
+class Joint(_Strict):
+    """What joins bodies at one node or several: where [m], what passes, and how far apart they were [m]."""
+
+    source: str = Field(description="`joints[0]` and the like, `mesh file`, or `mesh` for branches of a rod.")
+    members: list[str]
+    nodes: int
+    at: list[float]
+    passes: list[Literal["force", "bending", "twist"]]
+    gap: float
+
+
 class Checked(_Strict):
     """A scenario of ``check`` that could run."""
 
@@ -91,6 +102,7 @@ class Checked(_Strict):
     ok: Literal[True]
     bodies: list[Extent]
     notes: list[str]
+    joints: list[Joint]
     plan: list[Decision]
     warnings: list[str]
     cost: Cost
