@@ -401,3 +401,30 @@ def test_a_plane_grows_as_space_does(tmp_path: Path) -> None:
     space, plane = grown
     assert np.linalg.norm(space[-1] - T[-1]) > 0.2
     assert_allclose(plane, space, atol=1e-9)
+
+
+def test_a_net_of_one_rod_is_that_of_four(tmp_path: Path) -> None:
+    """From a file whose edges branch."""
+    edges = 8
+    nodes, pairs = ["0, 0, 0"], []
+    for k, arm in enumerate(NET):
+        for j in range(1, edges + 1):
+            nodes.append(", ".join(repr(float(x)) for x in arm * j / edges))
+            here = k * edges + j + 1
+            # every other arm is drawn towards the hub
+            before = 1 if j == 1 else here - 1
+            pairs.append((before, here) if k % 2 else (here, before))
+    text = "\n".join(["*Nodes", *nodes, "*Edges", *(f"{a}, {b}" for a, b in pairs)])
+    (tmp_path / "net.txt").write_text(text + "\n", encoding="utf-8")
+    four = star(NET, edges, EQUAL, forces=loaded(NET, [1.0, 2.0, -1.0]), numerics=LARGE)
+    body = {key: value for key, value in four["geometry"][0].items() if key not in ("generate", "director")}
+    ends = [{"nodes": {"of": "arm0", "indices": [edges * k]}} for k in (1, 2, 3, 4)]
+    one = four | {
+        "geometry": [body | {"mesh": {"file": "net.txt"}}],
+        "joints": [],
+        "motions": [{"type": "clamp", "where": where} for where in ends[:3]],
+        "forces": [{"type": "point", "where": ends[3], "force": [1.0, 2.0, -1.0]}],
+    }
+    assert_allclose(
+        solve(tmp_path, one).frames[-1].positions, solve(tmp_path, four).frames[-1].positions, atol=1e-8
+    )
