@@ -270,3 +270,12 @@ def test_include_fan_is_bounded(folder: Folder) -> None:
         folder.write(f"f{i}.yaml", f"include: [f{i - 1}.yaml, f{i - 1}.yaml]\n")
     with pytest.raises(ScenarioError, match="more than 100 files included"):
         folder.load(SCENE + "include: [f11.yaml]\n")
+
+
+def test_a_missing_file_is_looked_for_by_its_name(folder: Folder) -> None:
+    folder.write("arm.yaml", "a: 1\n")
+    folder.write("arm.csv", "a\n")
+    with pytest.raises(ScenarioError, match=r"arm\.yml: cannot read: .*; did you mean 'arm\.yaml'\?"):
+        load("arm.yml")
+    with pytest.raises(ScenarioError, match=r"other\.toml: cannot read: no such file or directory$"):
+        load("other.toml")

@@ -9,6 +9,7 @@ from typing import Final
 
 from ...errors import ScenarioError
 from ...file_text import UNFETCHED, decode, is_lfs_pointer
+from ...words import hint
 from .problems import Problem, ProblemsError
 from .toml_text import parse_toml
 from .tree import MAX_BYTES, Mark, Node, Source
@@ -63,7 +64,7 @@ def read_source(path: Path, name: str, note: str = "") -> Source:
             data = file.read(MAX_BYTES + 1)
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or "not a usable path"
-        raise ScenarioError(f"{name}: cannot read: {reason.lower()}") from None
+        raise ScenarioError(f"{name}: cannot read: {reason.lower()}{_near(path)}") from None
     if len(data) > MAX_BYTES:
         raise ScenarioError(f"{name}: {_TOO_LARGE}")
     if is_lfs_pointer(data):
@@ -76,6 +77,15 @@ def read_source(path: Path, name: str, note: str = "") -> Source:
     if "\0" in text:
         raise ScenarioError(f"{name}:{text.count(chr(10), 0, text.index(chr(0))) + 1}: not a text file")
     return Source(name, text, note)
+
+
+def _near(path: Path) -> str:
+    """The scenario in the folder that may have been meant, where there is none of this name."""
+    try:
+        names = [] if path.exists() else sorted(file.name for file in path.parent.iterdir())
+    except (OSError, ValueError):
+        names = []
+    return hint(path.name, (name for name in names if Path(name).suffix.lower() in _PARSERS))
 
 
 def parse_source(source: Source, suffix: str) -> Node:
