@@ -78,6 +78,22 @@ def test_what_cannot_be_computed_or_held_has_a_place(old: str, new: str, place: 
     assert message in first
 
 
+@pytest.mark.parametrize(("length", "fits"), [("1e5", True), ("1e9", False)])
+def test_triangles_whose_stiffness_is_lost_in_rounding(length: str, fits: bool) -> None:
+    """40 divisions of a strip of 0.1 m: triangles 2.5e4 and 2.5e8 times as long as high."""
+    sheet = (
+        "{type: shell, name: sheet, material: rubber, thickness: 1 mm, generate: "
+        f"{{shape: sheet, origin: [0, 0, 1], length: {length}, width: 0.1, divisions: 40, pattern: right}}}}"
+    )
+    text = ROD.replace("motions:", f"  - {sheet}\nmotions:")
+    if fits:
+        compose(load_text(text))
+    else:
+        first = _fault(text).splitlines()[0]
+        assert "geometry[1].generate: " in first
+        assert "triangle 1 is 2.5e+08 times as long as it is high" in first
+
+
 def test_ranges_of_nodes_include_both_ends() -> None:
     text = ROD.replace("arm.start", "{nodes: {of: arm, range: [0, 20]}}")
     model = compose(load_text(text)).simulation.model

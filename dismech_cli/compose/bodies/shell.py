@@ -16,6 +16,7 @@ from ...mesh.generate import curved as generate_curved
 from ...mesh.generate import rings as generate_rings
 from ...mesh.generate.sheets import Pattern, sheet
 from ...mesh.mesh import Mesh
+from ...mesh.slivers import refuse_slivers
 from ...mesh.topology.closed import inward_surfaces
 from ...mesh.topology.orient import reverse
 from ...mesh.topology.sides import rim_sides, side_counts
@@ -71,6 +72,7 @@ def shell_mesh(shell: Shell, directory: Path) -> BodyMesh:
         MeshError: The mesh is unusable.
     """
     body = _read(shell.mesh, directory) if shell.mesh is not None else BodyMesh(_generated(shell))
+    refuse_slivers(body.mesh.nodes, body.mesh.triangles)
     rim = rim_sides(body.mesh.triangles)
     groups, notes = dict(body.mesh.node_groups), body.mesh.notes
     if shell.mesh is not None and shell.mesh.slits == "open":
