@@ -15,7 +15,7 @@ from .mesh import Mesh
 from .topology.components import components
 from .topology.orient import reverse, reversed_triangles
 from .topology.pinched import pinched_nodes
-from .topology.sides import half_edges, shared_sides, side_counts
+from .topology.sides import half_edges, row_keys, shared_sides, side_counts
 from .topology.weld import weld_nodes
 
 LENGTH_TOLERANCE = 1e-12
@@ -200,7 +200,7 @@ def _folded_back(edges: IntArray, unit: FloatArray) -> BoolArray:
 def _repeated(rows: IntArray) -> BoolArray:
     """True for rows that hold the same nodes as an earlier row."""
     repeated = np.ones(len(rows), dtype=np.bool_)
-    repeated[np.unique(np.sort(rows, axis=1), axis=0, return_index=True)[1]] = False
+    repeated[np.unique(row_keys(rows), return_index=True)[1]] = False
     return repeated
 
 

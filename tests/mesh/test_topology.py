@@ -12,6 +12,7 @@ from dismech_cli.errors import MeshError
 from dismech_cli.mesh.generate.rings import disc
 from dismech_cli.mesh.topology.rods import ChainKind, chains, rod_stencils
 from dismech_cli.mesh.topology.shells import shell_edges
+from dismech_cli.mesh.topology.sides import row_keys
 
 DATA = Path(__file__).parents[1] / "data"
 REFERENCES = ["rod_cantilever_n51", "hexparachute_n6"]
@@ -159,3 +160,14 @@ def test_two_joints_that_share_triangles_have_each_ghost_edge_once() -> None:
         seen[tuple(sorted(edge.tolist()))] += 1
     assert set(seen.values()) == {1}
     assert_array_equal(joined.edges[joined.face_edges[0]], [[1, 2], [2, 0], [0, 1]])
+
+
+def test_keys_of_rows_sort_as_the_rows_do() -> None:
+    rng = np.random.default_rng(3)
+    for width in (2, 3):
+        rows = rng.integers(0, 2_000_000, (1000, width))
+        rows[500:] = rng.permuted(rows[:500], axis=1)
+        _, first, inverse = np.unique(np.sort(rows, axis=1), axis=0, return_index=True, return_inverse=True)
+        _, found, place = np.unique(row_keys(rows), return_index=True, return_inverse=True)
+        assert_array_equal(found, first)
+        assert_array_equal(place.ravel(), inverse.ravel())

@@ -8,7 +8,7 @@ import numpy as np
 
 from ...arrays import BoolArray, IntArray
 from .components import components
-from .sides import half_edges, rim_sides
+from .sides import half_edges, rim_sides, row_keys
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -69,7 +69,7 @@ def shell_edges(triangles: IntArray) -> ShellTopology:
     """
     directed = half_edges(triangles)
     _, first, inverse, counts = np.unique(
-        np.sort(directed, axis=1), axis=0, return_index=True, return_inverse=True, return_counts=True
+        row_keys(directed), return_index=True, return_inverse=True, return_counts=True
     )
     key = inverse.ravel()
     crowded = counts[key] > 2
