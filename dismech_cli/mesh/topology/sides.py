@@ -44,9 +44,9 @@ def neighbours(triangles: IntArray) -> tuple[IntArray, IntArray]:
 
 def _sorted_sides(triangles: IntArray) -> tuple[IntArray, BoolArray]:
     """An order of the half-edges that puts together those of an edge, and which are as the one before."""
-    ordered = np.sort(half_edges(triangles), axis=1)
-    order = np.lexsort((ordered[:, 1], ordered[:, 0]))
-    return order, (ordered[order[1:]] == ordered[order[:-1]]).all(axis=1)
+    keys = row_keys(half_edges(triangles))
+    order = np.argsort(keys, kind="stable")
+    return order, keys[order[1:]] == keys[order[:-1]]
 
 
 def rim_sides(triangles: IntArray) -> IntArray:

@@ -40,8 +40,8 @@ def parse_toml(source: Source) -> Node:
         lines = text.count("\n") + 1
         line, column = (int(place[1]), int(place[2])) if place and place[1] else (lines, 1)
         raise _single(source, line, *_reason(text, line, column, _PLACE.sub("", str(error)))) from None
-    if _too_deep(data):
-        raise _single(source, 1, 1, f"nested deeper than {MAX_DEPTH} levels")
+    if fault := _too_much(data):
+        raise _single(source, 1, 1, fault)
     builder = _Builder(source, text)
     tree = builder.node(data, ())
     if builder.problems:
@@ -61,8 +61,9 @@ def _single(source: Source, line: int, column: int, message: str) -> ProblemsErr
     return ProblemsError([Problem(Mark(source, line, column), (), message)])
 
 
-def _too_deep(data: Any) -> bool:
-    level = [data]
+def _too_much(data: Any) -> str:
+    """Whether there are too many levels or values, before their places are looked for; else nothing."""
+    level, count = [data], 1
     for _ in range(MAX_DEPTH + 1):
         level = [
             child
@@ -70,8 +71,11 @@ def _too_deep(data: Any) -> bool:
             for child in (item.values() if isinstance(item, dict) else item if isinstance(item, list) else ())
         ]
         if not level:
-            return False
-    return True
+            return ""
+        count += len(level)
+        if count > MAX_NODES:
+            return TOO_MANY
+    return f"nested deeper than {MAX_DEPTH} levels"
 
 
 class _Builder:
@@ -82,17 +86,13 @@ class _Builder:
         self.scan = _Scan(text)
         self.starts = [0, *(m.end() for m in re.finditer("\n", text))]
         self.problems: list[Problem] = []
-        self.count = 0
 
     def node(self, data: Any, path: KeyPath) -> Node:
-        self.count += 1
         mark, key_mark = self._mark(self.scan.values.get(path)), None
         if path in self.scan.keys:
             key_mark = self._mark(self.scan.keys[path])
             mark = mark or key_mark
         mark = mark or Mark(self.source, 1, 1)
-        if self.count > MAX_NODES:
-            raise ProblemsError([Problem(mark, (), TOO_MANY)])
         if isinstance(data, dict):
             return Node({key: self.node(value, (*path, key)) for key, value in data.items()}, mark, key_mark)
         if isinstance(data, list):
