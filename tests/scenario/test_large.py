@@ -44,6 +44,12 @@ def test_long_texts_are_refused_from_python_too(format: str) -> None:
         load_text("#" * (MAX_BYTES + 1), format=format)  # type: ignore[arg-type]
 
 
+@pytest.mark.parametrize("key", ["a" + ".a" * 100_000, "a" + " . 'a'" * 100_000])
+def test_a_key_of_many_parts_is_too_deep(key: str) -> None:
+    with pytest.raises(ScenarioError, match=r"<text>:2:1: nested deeper than 64 levels"):
+        load_text(f"x = 1\n{key} = 1\n", format="toml")
+
+
 def test_of_many_faults_the_first_are_told_and_all_are_counted() -> None:
     text = large_deck("yaml", "keys", 40_000)
     with pytest.raises(ScenarioError) as caught:

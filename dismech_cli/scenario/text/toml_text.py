@@ -21,6 +21,9 @@ _STRING: Final = re.compile(
 )
 _BARE_VALUE: Final = re.compile(r"[^,\]}#\n]*")
 _DECIMAL_COMMA: Final = re.compile(r"(?:(?<==)|(?<== ))[-+]?[0-9]+,[0-9]+")
+# A key of more parts than there may be levels, on which tomllib spends the square of their number.
+_PART: Final = r"""(?:[A-Za-z0-9_-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+"""
+_LONG_KEY: Final = re.compile(rf"(?:^|[{{,\[])[ \t]*+(?:{_PART}){{{MAX_DEPTH}}}", re.MULTILINE)
 _PLACE: Final = re.compile(r"\s*\(at (?:line (\d+), column (\d+)|end of document)\)")
 
 
@@ -31,6 +34,10 @@ def parse_toml(source: Source) -> Node:
         ProblemsError: with every fault found, each at its place.
     """
     text = source.text.replace("\r\n", "\n")
+    if long := _LONG_KEY.search(text):
+        raise _single(
+            source, text.count("\n", 0, long.end()) + 1, 1, f"nested deeper than {MAX_DEPTH} levels"
+        )
     try:
         data = tomllib.loads(text)
     except RecursionError:
