@@ -13,11 +13,12 @@ def command(module: str) -> list[str]:
     return [sys.executable, "-m", f"dismech_cli.render.{module}"]
 
 
-def environment() -> dict[str, str]:
-    """Environment in which the child finds this very package, installed or not."""
+def environment(**more: str) -> dict[str, str]:
+    """Environment in which the child finds this very package, installed or not, and ``more``."""
     root = str(Path(__file__).resolve().parents[2])
     inherited = os.environ.get("PYTHONPATH")
-    return {**os.environ, "PYTHONPATH": root if not inherited else os.pathsep.join([root, inherited])}
+    path = root if not inherited else os.pathsep.join([root, inherited])
+    return {**os.environ, "PYTHONPATH": path, **more}
 
 
 def describe_exit(code: int) -> str:

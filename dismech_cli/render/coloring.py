@@ -2,15 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import FloatArray, IntArray
 from ..errors import ScenarioError
-from ..output.frame import FieldSpec
+from ..output.frame import FieldSpec, Topology
 from ..output.read import Run
+from ..words import hint
+from .parts import Part
+from .settings import Background, Ends, Rgb
+from .shell_solid import cells_to_nodes
+from .timeline import Frames, Shot
 
 # Muted and of similar lightness, told apart by colour-blind eyes too.
 _BODY_COLORS = np.array(
@@ -24,6 +31,25 @@ _BODY_COLORS = np.array(
     ],
     dtype=np.uint8,
 )
+_START, _END = (0x24, 0x2C, 0x38), (0xD6, 0x45, 0x2B)
+_NOT_FINITE = 160
+_PALE = 0.72  # share of the background in a ghost
+
+PAPER: Mapping[Background, Rgb] = {
+    "white": (255, 255, 255),
+    "grey": (236, 239, 242),
+    "dark": (30, 34, 42),
+    "transparent": (255, 255, 255),
+}
+"""Colours of backgrounds; what is transparent is drawn as on white paper."""
+
+INK: Mapping[Background, Rgb] = {
+    "white": (38, 46, 56),
+    "grey": (38, 46, 56),
+    "dark": (222, 228, 236),
+    "transparent": (38, 46, 56),
+}
+"""Colours of labels."""
 
 Colors = NDArray[np.uint8]
 
@@ -33,75 +59,66 @@ class Scale:
     """How values become colours, the same in every frame.
 
     Attributes:
-        field: Name of the field.
         label: What the colour bar says.
         lower: Value of the first colour.
         upper: Value of the last colour.
+        least: Least value of the run.
+        largest: Largest value of the run.
         colormap: Matplotlib name.
     """
 
-    field: str
     label: str
     lower: float
     upper: float
+    least: float
+    largest: float
     colormap: str
 
     def colors(self, values: FloatArray) -> Colors:
         """Colours of ``values`` (count,), shape (count, 3); grey where a value is not finite."""
         from matplotlib import colormaps
 
-        share = (values - self.lower) / (self.upper - self.lower)
-        colors = (colormaps[self.colormap](np.nan_to_num(share))[:, :3] * 255).round().astype(np.uint8)
-        colors[~np.isfinite(values)] = 160
+        # in halves: the difference of two numbers may be too large to be one
+        share = (values / 2 - self.lower / 2) / (self.upper / 2 - self.lower / 2)
+        table = (colormaps[self.colormap](np.arange(256))[:, :3] * 255).round().astype(np.uint8)
+        colors = table[np.clip(np.nan_to_num(share) * 255.0 + 0.5, 0, 255).astype(np.int64)]
+        colors[~np.isfinite(values)] = _NOT_FINITE
         return colors
 
 
-def make_scale(run: Run, name: str) -> Scale:
-    """Find the range of a field over the whole run.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Field:
+    """A field of every frame, stored by the run or computed after it.
 
-    A field of both signs gets a diverging map centred on zero. Vectors are shown by their length.
+    Attributes:
+        spec: Its description.
+        file: Where its values lie if the run does not have them, a NumPy file of shape (F, ...).
+    """
+
+    spec: FieldSpec
+    file: Path | None = None
+
+    def values(self, run: Run) -> Frames:
+        """Values of each frame."""
+        if self.file is None:
+            return run.field(self.spec.name)
+        computed: Frames = np.load(self.file, mmap_mode="r")
+        return computed
+
+
+def stored_field(run: Run, name: str) -> Field:
+    """A field of a run by name.
 
     Raises:
-        ScenarioError: If the run has no such field.
+        ScenarioError: If the run does not have it.
     """
-    spec = find_field(run, name)
-    lower, upper = np.inf, -np.inf
-    for values in run.field(name):
-        shown = magnitude(values)
-        finite = shown[np.isfinite(shown)]
-        lower = min(lower, float(finite.min(initial=np.inf)))
-        upper = max(upper, float(finite.max(initial=-np.inf)))
-    if not np.isfinite([lower, upper]).all():
-        lower, upper = 0.0, 1.0
-    signed = lower < 0.0 < upper
-    if signed:
-        upper = max(-lower, upper)
-        lower = -upper
-    elif upper - lower <= 1e-12 * max(abs(lower), abs(upper)):
-        # A constant field still needs a range.
-        lower, upper = lower - (abs(lower) or 1.0) / 2, upper + (abs(upper) or 1.0) / 2
-    unit = "" if spec.unit == "1" else f" [{spec.unit}]"
-    return Scale(
-        field=name,
-        label=spec.long_name + unit,
-        lower=lower,
-        upper=upper,
-        colormap="RdBu_r" if signed else "viridis",
-    )
-
-
-def find_field(run: Run, name: str) -> FieldSpec:
-    """Look a field up by name.
-
-    Raises:
-        ScenarioError: If the run has no such field.
-    """
-    fields = run.topology.fields
-    for spec in fields:
-        if spec.name == name:
-            return spec
-    known = ", ".join(spec.name for spec in fields) or "none; ask for fields under 'output: fields'"
-    raise ScenarioError(f"cannot colour by {name!r}: {run.path} has the fields {known}")
+    fields = {spec.name: spec for spec in run.topology.fields}
+    if name not in fields:
+        known = ", ".join(fields) or "none; ask for fields under 'output: fields'"
+        raise ScenarioError(
+            f"cannot colour by {name!r}{hint(name, fields)}: {run.path} has the fields {known}"
+        )
+    return Field(spec=fields[name])
 
 
 def magnitude(values: FloatArray) -> FloatArray:
@@ -109,46 +126,85 @@ def magnitude(values: FloatArray) -> FloatArray:
     return values if values.ndim == 1 else np.linalg.norm(values, axis=1)
 
 
-def body_colors(bodies: IntArray) -> Colors:
-    """Colours of bodies by index, shape (count, 3)."""
-    return _BODY_COLORS[bodies % len(_BODY_COLORS)]
+class Painter:
+    """Gives every vertex its colour: that of its body, or that of the field."""
+
+    def __init__(
+        self,
+        topology: Topology,
+        values: Frames,
+        field: Field | None,
+        scale: Scale | None,
+        colors: Mapping[int, Rgb],
+        ends: Ends,
+    ) -> None:
+        """Prepare what is the same in all frames.
+
+        Args:
+            topology: Of the run.
+            values: Of the field in each frame; empty without one.
+            field: The field, or None.
+            scale: Its colours.
+            colors: Of bodies, in place of the usual ones.
+            ends: What ends of rods look like.
+        """
+        self._topology = topology
+        self._values = values
+        self._field = field
+        self._scale = scale
+        self._bodies = bodies = _BODY_COLORS[np.arange(len(topology.bodies)) % len(_BODY_COLORS)]
+        for body, color in colors.items():
+            bodies[body] = color
+        self._ends = ends
+        starts, stops, self._open, self._beside = find_ends(topology.edges)
+        self._marks = ((starts, _START), (stops, _END)) if ends == "marked" else ()
+
+    def colors(self, part: Part, shot: Shot) -> Colors:
+        """Colours of the vertices of a part, shape (V, 3)."""
+        if part.color is not None:
+            return np.tile(np.array(part.color, dtype=np.uint8), (len(part.source), 1))
+        if self._scale is None:
+            colors = self._bodies[part.body]
+        else:
+            colors = self._scale.colors(self._node_values(shot, part.meshed))[part.source]
+        for nodes, color in () if part.meshed else self._marks:
+            colors[np.isin(part.source, nodes)] = color
+        return colors
+
+    def _node_values(self, shot: Shot, on_shells: bool) -> FloatArray:
+        """The field at the nodes, as the rods or the shells see it: cells may jump between them."""
+        assert self._field is not None
+        topology, values = self._topology, magnitude(shot.between(self._values))
+        edges, nodes = len(topology.edges), len(topology.rest_positions)
+        if self._field.spec.location == "node":
+            return self._finished(values)
+        if on_shells:
+            return cells_to_nodes(values[edges:], topology.triangles, nodes)
+        return cells_to_nodes(values[:edges], topology.edges, nodes)
+
+    def _finished(self, values: FloatArray) -> FloatArray:
+        """Ends have no joint and thus no curvature, which is stored as zero: that beside them is shown."""
+        if self._ends == "stored" or self._field is None or self._field.spec.components > 1:
+            return values
+        bare = values[self._open] == 0.0
+        extended = values.copy()
+        extended[self._open[bare]] = values[self._beside[bare]]
+        return extended
 
 
-def cells_to_nodes(values: FloatArray, cells: IntArray, nodes: int) -> FloatArray:
-    """Average the values of the cells around each node.
-
-    Args:
-        values: One value per cell, shape (C,).
-        cells: Node indices, shape (C, k).
-        nodes: Number of nodes.
-
-    Returns:
-        One value per node, shape (nodes,); zero at nodes without a cell.
-    """
-    count = np.bincount(cells.ravel(), minlength=nodes)
-    total = np.bincount(cells.ravel(), weights=np.repeat(values, cells.shape[1]), minlength=nodes)
-    return np.asarray(total / np.maximum(count, 1))
-
-
-def field_colors(run: Run, scale: Scale, frame: int) -> tuple[Colors, Colors]:
-    """Colours of a field at the nodes, for the rods and for the shells; shape (N, 3) each."""
-    on_rods, on_shells = _node_values(run, scale.field, frame)
-    return scale.colors(on_rods), scale.colors(on_shells)
-
-
-def _node_values(run: Run, name: str, frame: int) -> tuple[FloatArray, FloatArray]:
-    """Values of a field at the nodes, as the rods see them and as the shells see them.
-
-    Returns:
-        Two arrays of shape (N,): they differ where a field of cells jumps between rod and shell.
-    """
-    spec = find_field(run, name)
-    values = magnitude(run.field(name)[frame])
-    if spec.location == "node":
-        return values, values
-    topology = run.topology
-    edges, nodes = len(topology.edges), len(topology.rest_positions)
+def find_ends(edges: IntArray) -> tuple[IntArray, IntArray, IntArray, IntArray]:
+    """Nodes of one edge only: where it begins there, where it ends there; both, and the nodes beside them."""
+    count = np.bincount(edges.ravel(), minlength=int(edges.max(initial=-1)) + 1)
+    first, second = (edges[count[edges[:, k]] == 1] for k in (0, 1))
     return (
-        cells_to_nodes(values[:edges], topology.edges, nodes),
-        cells_to_nodes(values[edges:], topology.triangles, nodes),
+        first[:, 0],
+        second[:, 1],
+        np.concatenate((first[:, 0], second[:, 1])),
+        np.concatenate((first[:, 1], second[:, 0])),
     )
+
+
+def paled(colors: Colors | FloatArray, background: Background) -> Colors:
+    """Colours of an earlier shape, nearly those of the background."""
+    mixed = (1.0 - _PALE) * colors + _PALE * np.array(PAPER[background])
+    return mixed.round().astype(np.uint8)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import itertools
 import os
 import queue
 import subprocess
 import tempfile
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from dataclasses import replace
 from typing import IO
 
 import numpy as np
@@ -17,87 +17,116 @@ from ..errors import RenderError
 from . import child
 from .job import Job
 from .probe import RendererName, find_renderer
+from .settings import Image
 
 # Starting a process costs as much as drawing some dozens of frames.
-_MANY_FRAMES = 200
+_MANY_FRAMES = 60
 # What draws unless it cannot; trying it out beforehand would cost as much as drawing some dozens of frames.
 _PREFERRED: RendererName = "pyvista"
+# A process that is ahead of the others may go on by this many pictures.
+_AHEAD = 6
 
-Progress = Callable[[int, int], None]
-"""Called with the number of frames drawn and the number of all."""
-
-
-def shares(count: int) -> list[slice]:
-    """Consecutive parts of the frames, one for each process."""
-    processes = 1 if count < _MANY_FRAMES else os.cpu_count() or 1
-    bounds = np.linspace(0, count, processes + 1).round().astype(int).tolist()
-    return [slice(low, high) for low, high in itertools.pairwise(bounds) if high > low]
+Plain = Callable[[], None]
+"""Called when the plain renderer takes over."""
 
 
-def draw(jobs: Callable[[RendererName], list[Job]], progress: Progress | None) -> None:
-    """Draw with the preferred renderer, or with the best one that works."""
+def draw(job: Job, plain: Plain) -> Iterator[Image]:
+    """Yield the pictures of a job in order, by the preferred renderer, or by the best one that works.
+
+    Args:
+        job: What to draw; its renderer is chosen here.
+        plain: Called when the plain renderer takes over.
+
+    Raises:
+        RenderError: If a drawing process fails, or this machine cannot draw.
+    """
+    begun = False
     try:
-        _draw_all(jobs(_PREFERRED), progress)
+        for image in _draw_all(replace(job, renderer=_PREFERRED)):
+            begun = True
+            yield image
     except RenderError:
         working = find_renderer()
-        if working == _PREFERRED:
+        if begun or working == _PREFERRED:
             raise
-        _draw_all(jobs(working), progress)
+        plain()
+        yield from _draw_all(replace(job, renderer=working))
 
 
-def _draw_all(jobs: list[Job], progress: Progress | None) -> None:
-    """Run one process per job; stop them all when one fails."""
-    lines: queue.Queue[tuple[int, str | None]] = queue.Queue()
-    total = sum(len(job.frames) for job in jobs)
-    done = 0
+def processes_for(count: int) -> int:
+    """How many processes draw a number of pictures."""
+    return 1 if count < _MANY_FRAMES else os.cpu_count() or 1
+
+
+def _draw_all(job: Job) -> Iterator[Image]:
+    """Deal the shots to processes in turn, and collect them in the same order."""
+    count = processes_for(len(job.shots))
+    width, height = job.settings.size
+    shape = (height, width, job.channels)
     with tempfile.TemporaryFile("w+") as errors:
-        children = [_start(job, errors) for job in jobs]
+        workers = [_Worker(job.share(slice(k, None, count)), shape, errors, count) for k in range(count)]
         try:
-            for number, process in enumerate(children):
-                threading.Thread(target=_listen, args=(number, process, lines), daemon=True).start()
-            running = len(children)
-            while running:
-                number, line = lines.get()
-                if line is not None:
-                    done += 1
-                    if progress is not None:
-                        progress(done, total)
-                    continue
-                running -= 1
-                code = children[number].wait()
-                if code != 0:
+            for number in range(len(job.shots)):
+                worker = workers[number % count]
+                image = worker.take()
+                if image is None:
                     errors.seek(0)
                     last = errors.read().strip().splitlines()[-1:] or ["no message"]
-                    raise RenderError(f"drawing ended with {child.describe_exit(code)}: {last[0]}")
+                    raise RenderError(f"drawing ended with {worker.exit}: {last[0]}")
+                yield image
         finally:
-            for process in children:
-                if process.poll() is None:
-                    process.kill()
-                    process.wait()
+            for worker in workers:
+                worker.stop()
 
 
-def _start(job: Job, errors: IO[str]) -> subprocess.Popen[str]:
-    process = subprocess.Popen(
-        child.command("worker"),
-        env=child.environment(),
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        stderr=errors,
-        text=True,
-    )
-    assert process.stdin is not None
-    try:
-        with process.stdin:
-            process.stdin.write(job.to_json())
-    except BrokenPipeError:
-        # The process died before it read its job: its exit code tells more than the pipe.
-        pass
-    return process
+class _Worker:
+    """A process that draws some of the pictures, and a thread that takes them from it."""
 
+    def __init__(self, job: Job, shape: tuple[int, int, int], errors: IO[str], processes: int) -> None:
+        self._shape = shape
+        self._images: queue.Queue[Image | None] = queue.Queue(_AHEAD)
+        self._stopped = False
+        self._process = subprocess.Popen(
+            child.command("worker"),
+            env=child.environment() if processes == 1 else child.environment(LP_NUM_THREADS="0"),
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=errors,
+        )
+        assert self._process.stdin is not None
+        try:
+            with self._process.stdin:
+                self._process.stdin.write(job.to_json().encode())
+        except BrokenPipeError:
+            # The process died before it read its job: its exit code tells more than the pipe.
+            pass
+        threading.Thread(target=self._listen, daemon=True).start()
 
-def _listen(number: int, process: subprocess.Popen[str], lines: queue.Queue[tuple[int, str | None]]) -> None:
-    assert process.stdout is not None
-    with process.stdout:
-        for line in process.stdout:
-            lines.put((number, line))
-    lines.put((number, None))
+    def take(self) -> Image | None:
+        """The next picture; None if there is none because the process ended."""
+        return self._images.get()
+
+    @property
+    def exit(self) -> str:
+        """How the process ended."""
+        return child.describe_exit(self._process.wait())
+
+    def stop(self) -> None:
+        """End the process if it has not ended."""
+        self._stopped = True
+        if self._process.poll() is None:
+            self._process.kill()
+        self._process.wait()
+        while not self._images.empty():
+            self._images.get()
+
+    def _listen(self) -> None:
+        assert self._process.stdout is not None
+        size = int(np.prod(self._shape))
+        with self._process.stdout as pictures:
+            while not self._stopped:
+                data = pictures.read(size)
+                if len(data) < size:
+                    break
+                self._images.put(np.frombuffer(data, dtype=np.uint8).reshape(self._shape))
+        self._images.put(None)

@@ -1,20 +1,26 @@
-"""Pictures to a video file."""
+"""Pictures to files: films take them one by one."""
 
 from __future__ import annotations
 
 import errno
+import io
 import os
 import signal
 import subprocess
 import tempfile
-from collections.abc import Sequence
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import TypeAlias
 
 import numpy as np
 
 from ..errors import RenderError
 from ..output.durable import output_errors, staged
+from .settings import Image
+
+Take: TypeAlias = Callable[[Image], None]
+"""Given the next picture of a film."""
 
 _OTHERWISE = "choose --format gif or png"
 _MISSING = f'mp4 needs an encoder: pip install "dismech[video]" (or {_OTHERWISE})'
@@ -43,63 +49,45 @@ def require_encoder() -> str:
     return program
 
 
-def write_mp4(pictures: Sequence[Path], output: Path, fps: float) -> None:
-    """Encode PNG files as H.264, playable in browsers and slides.
+@contextmanager
+def mp4_file(output: Path, size: tuple[int, int], fps: float) -> Iterator[Take]:
+    """Encode RGB pictures as H.264, playable in browsers and slides.
 
     Raises:
         RenderError: If there is no encoder, or it fails.
-        OutputError: If the video cannot be written.
+        OutputError: If the film cannot be written.
     """
-    from PIL import Image
-
     program = require_encoder()
-    with Image.open(pictures[0]) as first:
-        width, height = first.size
+    raw = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{size[0]}x{size[1]}", "-r", f"{fps:.6f}"]
+    coded = ["-an", "-vcodec", "libx264", "-pix_fmt", "yuv420p", "-crf", "17", "-preset", "fast"]
     with staged(output) as temporary, output_errors(output), tempfile.TemporaryFile() as said:
         # A place where nothing can be written is told by the system, not by the encoder's log.
         temporary.touch()
-        raw = [
-            "-f",
-            "rawvideo",
-            "-pix_fmt",
-            "rgb24",
-            "-s",
-            f"{width}x{height}",
-            "-r",
-            f"{fps:.6f}",
-            "-i",
-            "-",
-        ]
-        coded = ["-an", "-vcodec", "libx264", "-pix_fmt", "yuv420p", "-crf", "17", "-preset", "medium"]
+        target = ["-movflags", "+faststart", "-f", "mp4", str(temporary)]
         encoder = subprocess.Popen(
-            [
-                program,
-                "-y",
-                "-v",
-                "error",
-                *raw,
-                *coded,
-                "-movflags",
-                "+faststart",
-                "-f",
-                "mp4",
-                str(temporary),
-            ],
+            [program, "-y", "-v", "error", *raw, "-i", "-", *coded, *target],
             stdin=subprocess.PIPE,
             stdout=subprocess.DEVNULL,
             stderr=said,
         )
-        assert encoder.stdin is not None
-        try:
+        pipe = encoder.stdin
+        assert pipe is not None
+
+        def take(image: Image) -> None:
             # An encoder that stopped early says why at its end.
-            with suppress(BrokenPipeError), encoder.stdin as pipe:
-                for file in pictures:
-                    with Image.open(file) as picture:
-                        pipe.write(np.ascontiguousarray(picture.convert("RGB")).data)
+            with suppress(BrokenPipeError):
+                pipe.write(np.ascontiguousarray(image).data)
+
+        try:
+            yield take
+            with suppress(BrokenPipeError):
+                pipe.close()
         except BaseException:
             encoder.kill()
             raise
         finally:
+            with suppress(BrokenPipeError):
+                pipe.close()
             encoder.wait()
         said.seek(0)
         _check_encoder(encoder.returncode, said.read().decode(errors="replace"), temporary)
@@ -122,21 +110,42 @@ def _check_encoder(code: int, said: str, file: Path) -> None:
         raise RenderError(f"the encoder of mp4 failed: {reason[0]}; {_OTHERWISE}")
 
 
-def write_gif(pictures: Sequence[Path], output: Path, fps: float) -> None:
-    """Encode PNG files as an endless GIF with one palette, so that colours do not flicker.
+@contextmanager
+def gif_file(output: Path, size: tuple[int, int], fps: float) -> Iterator[Take]:
+    """Encode RGB pictures as an endless GIF with one palette, so that colours do not flicker.
 
     Raises:
         OutputError: If the file cannot be written.
     """
-    from PIL import Image
+    from PIL import Image as Pillow
 
-    with Image.open(pictures[len(pictures) // 2]) as middle:
-        palette = middle.convert("RGB").quantize(colors=255, method=Image.Quantize.MEDIANCUT)
+    packed: list[io.BytesIO] = []
+
+    def take(image: Image) -> None:
+        packed.append(io.BytesIO())
+        Pillow.fromarray(image).save(packed[-1], "png", compress_level=1)
+
+    yield take
+    with Pillow.open(packed[len(packed) // 2]) as middle:
+        palette = middle.convert("RGB").quantize(colors=255, method=Pillow.Quantize.MEDIANCUT)
     images = []
-    for file in pictures:
-        with Image.open(file) as picture:
-            images.append(picture.convert("RGB").quantize(palette=palette))
+    for one in packed:
+        with Pillow.open(one) as picture:
+            # Plain backgrounds stay plain: mixing colours from dots would make noise of them.
+            images.append(picture.quantize(palette=palette, dither=Pillow.Dither.NONE))
     # The format counts in hundredths of a second, and viewers slow down below two.
     duration = 10 * max(2, round(100 / fps))
     with staged(output) as temporary:
         images[0].save(temporary, save_all=True, append_images=images[1:], duration=duration, loop=0)
+
+
+def write_png(image: Image, output: Path) -> None:
+    """Write one picture.
+
+    Raises:
+        OutputError: If the file cannot be written.
+    """
+    from PIL import Image as Pillow
+
+    with staged(output) as temporary:
+        Pillow.fromarray(image).save(temporary, "png", optimize=True)

@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from ..arrays import FloatArray
 from ..output.read import Run
-from .settings import Settings, View
+from .settings import Camera, Settings, View
+from .timeline import Shot
 
-# Room around the motion, as a share of its size; the labels lie in it.
-_MARGIN = 0.16
-
-_COLOR_BAR_STRIP = 0.16  # of the height of the picture
+# Room around the motion, as a share of its size.
+_MARGIN = 0.10
+# Of the height of the picture, by the size of the labels: the line of time and length scale at its
+# foot, the name of the field at its head, and the colour bar on its left.
+_LINE, _BAR = 0.08, 0.2
 _LEAST_RADIUS = 0.8  # pixel
+_SMALLEST = 1e-12  # [m] for a robot that is one point
 
 _OBLIQUE = np.array([0.62, -1.0, 0.55])
 
@@ -29,14 +33,15 @@ _DIRECTIONS: dict[View, tuple[FloatArray, FloatArray]] = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Framing:
-    """A parallel projection for every frame.
+    """A camera for every shot.
 
     Attributes:
         basis: Rows right, up, towards the viewer; shape (3, 3).
-        centers: Middle of the picture in world coordinates [m], shape (F, 3).
-        half_height: Half the height of the picture [m].
+        centers: Middle of the picture in world coordinates [m], shape (shots, 3).
+        half_height: Half the height of the picture at its middle [m].
         depth: Half the depth of the scene along the line of sight [m].
         floor: Lowest z of the motion [m].
+        angle: Height of the field of view [rad]; 0 is a parallel projection.
     """
 
     basis: FloatArray
@@ -44,54 +49,141 @@ class Framing:
     half_height: float
     depth: float
     floor: float
+    angle: float
+
+    @property
+    def distance(self) -> float:
+        """From the eye to the middle of the picture [m]."""
+        if self.angle:
+            return float(self.half_height / np.tan(self.angle / 2))
+        return 4.0 * (self.depth + self.half_height)
 
     def pixel(self, size: tuple[int, int]) -> float:
-        """Width of one pixel [m] in a picture of ``size``."""
+        """Width of one pixel [m] in the middle of a picture of ``size``."""
         return 2.0 * self.half_height / size[1]
 
     def least_radius(self, size: tuple[int, int]) -> float:
         """Radius [m] below which a rod would vanish between the pixels."""
         return _LEAST_RADIUS * self.pixel(size)
 
+    def seen(self, points: FloatArray, shot: int) -> FloatArray:
+        """Points in the picture [m]: right, up, towards the viewer from the middle; shape as ``points``."""
+        seen = (points - self.centers[shot]) @ self.basis.T
+        if self.angle:
+            seen[..., :2] *= self.distance / np.maximum(self.distance - seen[..., 2:], 1e-9 * self.distance)
+        return np.asarray(seen)
 
-def view_basis(view: View) -> FloatArray:
-    """Unit vectors right, up and towards the viewer, as rows."""
-    towards, upward = _DIRECTIONS[view]
+
+def view_basis(camera: Camera, target: FloatArray) -> FloatArray:
+    """Unit vectors right, up and towards the viewer, as rows.
+
+    Args:
+        camera: Where the eye is.
+        target: What it looks at [m].
+    """
+    towards, upward = _DIRECTIONS[camera.view]
+    if camera.eye is not None:
+        towards, upward = np.subtract(camera.eye, target), np.array([0.0, 0.0, 1.0])
+    if camera.up is not None:
+        upward = np.array(camera.up)
     towards = towards / np.linalg.norm(towards)
     right = np.cross(upward, towards)
+    if np.linalg.norm(right) < 1e-9 * np.linalg.norm(upward):
+        # seen along the upward direction: another one is as good
+        right = np.cross(np.eye(3)[np.abs(towards).argmin()], towards)
     right /= np.linalg.norm(right)
     return np.stack([right, np.cross(towards, right), towards])
 
 
-def frame_motion(run: Run, settings: Settings) -> Framing:
-    """Fit the camera to all frames of a run.
+def frame_motion(run: Run, settings: Settings, shots: Sequence[Shot]) -> Framing:
+    """Fit the camera to all frames of a run, and place it for every shot.
 
     Positions that are not finite, as a failed run may leave, are passed over.
     """
-    basis = view_basis(settings.view)
-    lower = np.zeros((len(run), 3))
-    upper = np.zeros((len(run), 3))
-    floor = np.inf
-    for index, positions in enumerate(run.positions):
-        finite = positions[np.isfinite(positions).all(axis=1)]
-        if len(finite):
-            seen = finite @ basis.T
-            lower[index], upper[index] = seen.min(axis=0), seen.max(axis=0)
-            floor = min(floor, float(finite[:, 2].min()))
-    topology = run.topology
+    camera, topology = settings.camera, run.topology
+    target = _target(run, camera)
+    basis = view_basis(camera, target)
+    extent = _extent(run, basis, camera.follow)
+    middles = _middles(extent, camera.follow)
+    if camera.eye is not None or camera.target is not None:
+        middles = basis @ target + middles - middles[0]
     thickest = max(topology.edge_radius.max(initial=0.0), topology.triangle_thickness.max(initial=0.0) / 2)
-    if settings.camera == "fixed":
-        lower[:], upper[:] = lower.min(axis=0, initial=np.inf), upper.max(axis=0, initial=-np.inf)
-    half = ((upper - lower) / 2).max(axis=0, initial=0.0) + thickest
-    # The colour bar stands in a strip of its own on the left.
-    strip = 0.0 if settings.color_by is None else _COLOR_BAR_STRIP
-    aspect = settings.size[0] / settings.size[1]
-    half_height = float(max(half[1], half[0] / (aspect - strip), 1e-12)) * (1.0 + _MARGIN)
-    middles = (lower + upper) / 2 - np.array([strip * half_height, 0.0, 0.0])
+    reach = np.maximum(extent.upper - middles, middles - extent.lower).max(axis=0) + thickest
+    half_height, shift = _fit(reach, settings)
+    if camera.eye is not None and camera.angle:
+        half_height = float(np.linalg.norm(np.subtract(camera.eye, target)) * np.tan(camera.angle / 2))
+        shift = np.zeros(3)
+    centers = (middles + half_height * shift) @ basis
     return Framing(
         basis=basis,
-        centers=middles @ basis,
+        centers=np.array([shot.between(list(centers)) for shot in shots]).reshape(-1, 3),
         half_height=half_height,
-        depth=float(half[2]),
-        floor=float(floor - thickest) if np.isfinite(floor) else 0.0,
+        depth=float(np.linalg.norm(reach)),
+        floor=extent.floor - thickest,
+        angle=camera.angle,
     )
+
+
+@dataclass(frozen=True, slots=True)
+class _Extent:
+    """What a run fills, along the axes of the picture.
+
+    Attributes:
+        lower: Of each frame [m], shape (F, 3).
+        upper: Shape (F, 3).
+        followed: Middle of the nodes that are followed, shape (F, 3).
+        floor: Lowest z in the world.
+    """
+
+    lower: FloatArray
+    upper: FloatArray
+    followed: FloatArray
+    floor: float
+
+
+def _extent(run: Run, basis: FloatArray, follow: tuple[int, ...] | None) -> _Extent:
+    lower, upper, followed = np.zeros((3, len(run), 3))
+    floor = np.inf
+    for frame, positions in enumerate(run.positions):
+        nodes = np.array(follow, dtype=np.int64) if follow else np.arange(len(positions))
+        finite = np.asarray(np.isfinite(positions).all(axis=1))
+        if not finite[nodes].any():
+            before = max(frame - 1, 0)
+            lower[frame], upper[frame], followed[frame] = lower[before], upper[before], followed[before]
+            continue
+        seen = positions @ basis.T
+        lower[frame], upper[frame] = seen[finite].min(axis=0), seen[finite].max(axis=0)
+        followed[frame] = seen[nodes[finite[nodes]]].mean(axis=0)
+        floor = min(floor, float(positions[finite, 2].min()))
+    return _Extent(lower, upper, followed, floor if np.isfinite(floor) else 0.0)
+
+
+def _middles(extent: _Extent, follow: tuple[int, ...] | None) -> FloatArray:
+    """What the camera looks at in each frame, along the axes of the picture; shape (F, 3)."""
+    if follow is None:
+        middle = (extent.lower.min(axis=0) + extent.upper.max(axis=0)) / 2
+        return np.tile(middle, (len(extent.lower), 1))
+    return extent.followed if follow else (extent.lower + extent.upper) / 2
+
+
+def _target(run: Run, camera: Camera) -> FloatArray:
+    """What the camera looks at unless it follows: the middle of the motion, if an eye needs one [m]."""
+    if camera.target is not None:
+        return np.array(camera.target)
+    if camera.eye is None:
+        return np.zeros(3)
+    return np.asarray(_middles(_extent(run, np.eye(3), None), None)[0])
+
+
+def _fit(reach: FloatArray, settings: Settings) -> tuple[float, FloatArray]:
+    """Half the height of the picture [m], and what its middle is off that of the motion as a share of it."""
+    aspect = settings.size[0] / settings.size[1]
+    foot = min(_LINE * settings.text, 0.3)
+    head, bar = 0.0, 0.0
+    if settings.color_by is not None:
+        head, bar = foot, min(_BAR * settings.text, 0.5 * aspect)
+    half = max(reach[1] / (1.0 - foot - head), reach[0] / (aspect - bar), _SMALLEST) * (1.0 + _MARGIN)
+    if settings.camera.angle:
+        # what is nearer to the eye than the middle is larger
+        half += float(reach[2] * np.tan(settings.camera.angle / 2))
+    return float(half), np.array([-bar, head - foot, 0.0])

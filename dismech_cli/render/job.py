@@ -4,76 +4,131 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import FloatArray
+from ..output.frame import FieldSpec
 from ..output.read import Run
-from .coloring import Scale
+from .coloring import Field, Painter, Scale
 from .framing import Framing
-from .settings import Settings
+from .settings import Camera, Image, Settings
+from .timeline import Shot
 
-Image = NDArray[np.uint8]
-"""RGB picture, shape (height, width, 3)."""
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Stage:
+    """What a renderer works with.
+
+    Attributes:
+        run: The open run.
+        shots: To draw, in order.
+        settings: What the pictures show.
+        framing: The camera of each shot.
+        painter: Colours.
+        ghosts: Earlier shapes.
+        times: Of all frames [s], shape (F,).
+        paths: Of the nodes that leave a line, by frame [m], shape (F, K, 3).
+    """
+
+    run: Run
+    shots: Sequence[Shot]
+    settings: Settings
+    framing: Framing
+    painter: Painter
+    ghosts: Sequence[Shot]
+    times: FloatArray
+    paths: FloatArray
+
+    def trails(self, shot: Shot) -> FloatArray:
+        """Paths of the nodes that leave a line, up to a shot [m], shape (K, points, 3)."""
+        past = self.paths[: np.searchsorted(self.times, shot.t)]
+        return np.concatenate((past, shot.between(self.paths)[None])).swapaxes(0, 1)
 
 
 class Renderer(Protocol):
-    """Draws frames of a run without labels."""
+    """Draws the shots of a stage without labels."""
 
-    def __call__(
-        self, run: Run, frames: Sequence[int], settings: Settings, framing: Framing, scale: Scale | None
-    ) -> Iterator[Image]:
-        """Yield one picture per frame, in order."""
+    def __call__(self, stage: Stage) -> Iterator[Image]:
+        """Yield one picture per shot, in order: RGBA on a transparent background, else RGB."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Job:
-    """Frames to draw, and where the pictures go.
+    """Shots to draw; the pictures go to stdout, one after another.
 
     Attributes:
         run_dir: The run.
         renderer: ``pyvista`` or ``matplotlib``.
         settings: What the pictures show.
-        framing: The camera.
-        scale: The colours of the field, or None.
-        frames: Frame numbers.
-        files: One PNG file per frame.
+        framing: The camera of each shot.
+        field: The field that colours the bodies, or None.
+        scale: Its colours, or None.
+        shots: In order.
+        decimals: Digits of the time after the point.
+        speed: Of the film, which its labels tell where it is not 1.
     """
 
     run_dir: Path
     renderer: str
     settings: Settings
     framing: Framing
+    field: Field | None
     scale: Scale | None
-    frames: tuple[int, ...]
-    files: tuple[Path, ...]
+    shots: tuple[Shot, ...]
+    decimals: int
+    speed: float
+
+    def share(self, part: slice) -> Job:
+        """The same for some of the shots."""
+        framing = replace(self.framing, centers=self.framing.centers[part])
+        return replace(self, framing=framing, shots=self.shots[part])
+
+    @property
+    def channels(self) -> int:
+        """Numbers of a pixel."""
+        return 4 if self.settings.background == "transparent" else 3
 
     def to_json(self) -> str:
         """Text for :meth:`from_json`."""
-        content = asdict(self)
-        content["run_dir"] = str(self.run_dir)
-        content["files"] = [str(file) for file in self.files]
-        content["framing"]["basis"] = self.framing.basis.tolist()
-        content["framing"]["centers"] = self.framing.centers.tolist()
-        return json.dumps(content)
+        return json.dumps(asdict(self), default=_plain)
 
     @classmethod
     def from_json(cls, text: str) -> Job:
         """Read what :meth:`to_json` wrote."""
         content: dict[str, Any] = json.loads(text)
-        settings = content["settings"] | {"size": tuple(content["settings"]["size"])}
-        framing = content["framing"]
+        framing, field = content["framing"], content["field"]
         for name in ("basis", "centers"):
             framing[name] = np.array(framing[name], dtype=np.float64).reshape(-1, 3)
+        if field is not None:
+            file = None if field["file"] is None else Path(field["file"])
+            field = Field(spec=FieldSpec(**field["spec"]), file=file)
         return cls(
             run_dir=Path(content["run_dir"]),
             renderer=content["renderer"],
-            settings=Settings(**settings),
+            settings=_settings(content["settings"]),
             framing=Framing(**framing),
+            field=field,
             scale=None if content["scale"] is None else Scale(**content["scale"]),
-            frames=tuple(content["frames"]),
-            files=tuple(Path(file) for file in content["files"]),
+            shots=tuple(Shot(**shot) for shot in content["shots"]),
+            decimals=content["decimals"],
+            speed=content["speed"],
         )
+
+
+def _plain(value: Any) -> Any:
+    return str(value) if isinstance(value, Path) else value.tolist()
+
+
+def _settings(content: dict[str, Any]) -> Settings:
+    """Lists were tuples, and keys numbers."""
+    colors = {int(body): tuple(color) for body, color in content.pop("colors").items()}
+    camera = Camera(**_tuples(content.pop("camera")))
+    return Settings(camera=camera, colors=colors, **_tuples(content))
+
+
+def _tuples(content: dict[str, Any]) -> dict[str, Any]:
+    return {key: tuple(value) if isinstance(value, list) else value for key, value in content.items()}

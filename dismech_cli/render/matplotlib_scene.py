@@ -1,50 +1,57 @@
-"""Pictures without OpenGL: the same scene as shaded polygons, painted from back to front."""
+"""Pictures without OpenGL: the same parts as shaded triangles, painted from back to front."""
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 
 from ..arrays import FloatArray
-from ..output.read import Run
-from .chains import Chain, find_chains, find_junctions
-from .coloring import Colors, Scale, body_colors, field_colors
-from .framing import Framing
+from .coloring import INK, PAPER, Colors, paled
 from .ground import grid_lines
-from .job import Image
-from .settings import Settings
-from .shell_solid import ShellSolid, make_shells
+from .job import Stage
+from .parts import Part, make_bodies, make_parts
+from .settings import Image, Settings
+from .timeline import Shot
 
-_STRIPS = 7  # lengthwise strips that shade a tube
-_BACKGROUND = np.array([[252, 253, 254], [227, 233, 239]], dtype=np.float64)  # top, bottom
+_SIDES = 12
 _LIGHT = np.array([-0.45, 0.60, 0.66])  # towards the light; right, up, towards the viewer
-_CIRCLE = np.exp(2j * np.pi * np.arange(20) / 20)
+_DPI = 100.0
 
-Polygons = tuple[list[FloatArray], FloatArray, FloatArray]
-"""Corners in the picture [m], depths towards the viewer [m], colours in 0..1."""
+Triangles = tuple[FloatArray, FloatArray, FloatArray]
+"""Corners in the picture [m] (F, 3, 2), depths towards the viewer [m] (F,), colours in 0..1 (F, 3)."""
 
 
-def draw(
-    run: Run, frames: Sequence[int], settings: Settings, framing: Framing, scale: Scale | None
-) -> Iterator[Image]:
-    """Yield one picture per frame; see :func:`dismech_cli.render.scene.draw`."""
-    topology = run.topology
-    chains = find_chains(topology.edges, topology.edge_radius, topology.edge_body)
-    shells = make_shells(topology)
-    least = framing.least_radius(settings.size)
-    for frame in frames:
-        seen = (run.positions[frame] - framing.centers[frame]) @ framing.basis.T
-        rods, sheets = (None, None) if scale is None else field_colors(run, scale, frame)
-        parts = [_tube(chain, seen, rods, least) for chain in chains]
-        parts += [_ball(*ball, seen, rods, least) for ball in zip(*find_junctions(chains), strict=True)]
-        parts += [_sheet(shell, seen, sheets) for shell in shells]
+def draw(stage: Stage) -> Iterator[Image]:
+    """Yield one picture per shot; see :class:`.job.Renderer`."""
+    settings, least = stage.settings, stage.framing.least_radius(stage.settings.size)
+    parts = make_parts(stage.run, least, _SIDES)
+    bodies = make_bodies(stage.run, least, _SIDES) if stage.ghosts else []
+    for number, shot in enumerate(stage.shots):
+        shown = [_seen(stage, part, shot, number, stage.painter.colors(part, shot)) for part in parts]
+        for ghost in (ghost for ghost in stage.ghosts if ghost.t < shot.t):
+            for part in bodies:
+                corners, depths, lit = _seen(stage, part, ghost, number, stage.painter.colors(part, ghost))
+                shown.append((corners, depths, paled(lit * 255, settings.background) / 255))
         lines = np.empty((0, 2, 3))
-        if settings.ground == "grid":
-            lines = (grid_lines(framing) - framing.centers[frame]) @ framing.basis.T
-        yield _paint(parts, lines, settings, framing)
+        if settings.ground != "none":
+            lines = stage.framing.seen(grid_lines(stage.framing), number)
+        trails = stage.framing.seen(stage.trails(shot), number)
+        yield _paint(shown, lines, trails, settings, stage.framing.half_height)
+
+
+def _seen(stage: Stage, part: Part, shot: Shot, number: int, colors: Colors) -> Triangles:
+    """The triangles of a part that face the viewer, lit."""
+    vertices, normals = part.place(shot.t, shot.between(stage.run.positions))
+    corners = stage.framing.seen(vertices, number)[part.faces]
+    sides = corners[:, 1:, :2] - corners[:, :1, :2]
+    # a part that a failed run left is not finite, and not greater than anything
+    facing = sides[:, 0, 0] * sides[:, 1, 1] - sides[:, 0, 1] * sides[:, 1, 0] > 0.0
+    faces, corners = part.faces[facing], corners[facing]
+    base = colors[faces].mean(axis=1) / 255
+    toward = normals[faces].mean(axis=1) @ stage.framing.basis.T
+    return corners[..., :2], corners[..., 2].mean(axis=1), _shade(toward, base)
 
 
 def _shade(normals: FloatArray, colors: FloatArray) -> FloatArray:
@@ -57,95 +64,31 @@ def _shade(normals: FloatArray, colors: FloatArray) -> FloatArray:
     return np.asarray(np.clip(colors * (0.42 + 0.66 * diffuse) + 0.18 * highlight, 0.0, 1.0))
 
 
-def _unit(vectors: FloatArray) -> FloatArray:
-    return np.asarray(vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-300))
-
-
-def _tube(chain: Chain, seen: FloatArray, colors: Colors | None, least: float) -> Polygons:
-    points = seen[chain.nodes]
-    steps = _unit(np.diff(points, axis=0))
-    first = steps[-1:] + steps[:1] if chain.closed else steps[:1]
-    last = first if chain.closed else steps[-1:]
-    tangent = _unit(np.concatenate([first, steps[:-1] + steps[1:], last]))
-    # Across the tube in the picture; where the tube points at the viewer any direction will do.
-    across = np.column_stack([-tangent[:, 1], tangent[:, 0]])
-    length = np.linalg.norm(across, axis=1, keepdims=True)
-    across = np.where(length > 1e-9, across / np.maximum(length, 1e-300), [1.0, 0.0])
-    side = np.column_stack([across, np.zeros(len(across))])
-    facing = _unit(np.cross(side, tangent))
-    facing *= np.where(facing[:, 2:] < 0, -1.0, 1.0)
-    radius = np.maximum(chain.radius, least)[:, None]
-    base = (body_colors(np.full(len(points), chain.body)) if colors is None else colors[chain.nodes]) / 255
-    base = (base[:-1] + base[1:]) / 2
-    corners: list[FloatArray] = []
-    depths, shades = [], []
-    edges = np.sin(np.linspace(-np.pi / 2, np.pi / 2, _STRIPS + 1))
-    for low, high in itertools.pairwise(edges.tolist()):
-        a, b = points[:, :2] + radius * low * across, points[:, :2] + radius * high * across
-        corners += list(np.stack([a[:-1], a[1:], b[1:], b[:-1]], axis=1))
-        middle = (low + high) / 2
-        normal = _unit((middle * side + np.sqrt(1 - middle**2) * facing)[:-1])
-        depths.append((points[:-1, 2] + points[1:, 2]) / 2)
-        shades.append(_shade(normal, base))
-    return corners, np.concatenate(depths), np.concatenate(shades)
-
-
-def _ball(
-    node: int, radius: float, body: int, seen: FloatArray, colors: Colors | None, least: float
-) -> Polygons:
-    """Three discs that look like a lit ball."""
-    base = (body_colors(np.array([body])) if colors is None else colors[[node]]) / 255
-    size = max(radius, least)
-    corners, depths, shades = [], [], []
-    for share, shift in ((1.0, 0.0), (0.75, 0.12), (0.45, 0.25)):
-        offset = size * (share * _CIRCLE + shift * (_LIGHT[0] + 1j * _LIGHT[1]))
-        corners.append(seen[node, :2] + np.column_stack([offset.real, offset.imag]))
-        depths.append(seen[node, 2] + size * (1 - share))
-        tilt = np.array([[shift * _LIGHT[0] * 2, shift * _LIGHT[1] * 2, 1.0]])
-        shades.append(_shade(_unit(tilt), base * (0.75 + 0.25 * (1 - share))))
-    return corners, np.array(depths), np.concatenate(shades)
-
-
-def _sheet(shell: ShellSolid, seen: FloatArray, colors: Colors | None) -> Polygons:
-    points = seen[shell.nodes]
-    triangles = points[shell.triangles]
-    normals = _unit(np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]))
-    normals = normals * np.where(normals[:, 2:] < 0, -1.0, 1.0)
-    nodal = body_colors(np.full(len(points), shell.body)) if colors is None else colors[shell.nodes]
-    base = nodal[shell.triangles].mean(axis=1) / 255
-    return list(triangles[:, :, :2]), triangles[:, :, 2].mean(axis=1), _shade(normals, base)
-
-
-def _paint(parts: list[Polygons], lines: FloatArray, settings: Settings, framing: Framing) -> Image:
+def _paint(
+    shown: list[Triangles], lines: FloatArray, trails: FloatArray, settings: Settings, half_height: float
+) -> Image:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.collections import LineCollection, PolyCollection
     from matplotlib.figure import Figure
 
     width, height = settings.size
-    dpi = 100.0
-    figure = Figure(figsize=(width / dpi, height / dpi), dpi=dpi)
+    clear = settings.background == "transparent"
+    paper, ink = (tuple(c / 255 for c in table[settings.background]) for table in (PAPER, INK))
+    facecolor: Any = (*paper, 0.0 if clear else 1.0)
+    figure = Figure(figsize=(width / _DPI, height / _DPI), dpi=_DPI, facecolor=facecolor)
     canvas: Any = FigureCanvasAgg(figure)
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
-    half_width = framing.half_height * width / height
-    axes.set(xlim=(-half_width, half_width), ylim=(-framing.half_height, framing.half_height))
+    half_width = half_height * width / height
+    axes.set(xlim=(-half_width, half_width), ylim=(-half_height, half_height))
     axes.set_axis_off()
-    gradient = np.linspace(_BACKGROUND[0], _BACKGROUND[1], 256)[:, None] / 255
-    axes.imshow(
-        gradient,
-        extent=(-half_width, half_width, -framing.half_height, framing.half_height),
-        aspect="auto",
-        interpolation="bilinear",
+    axes.add_collection(LineCollection(list(lines[:, :, :2]), colors=[(*ink, 0.2)], linewidths=0.6))
+    corners = np.concatenate([part[0] for part in shown])
+    order = np.argsort(np.concatenate([part[1] for part in shown]), kind="stable")
+    colors = np.concatenate([part[2] for part in shown])[order]
+    # Edges of the same colour hide the hairlines between neighbouring triangles.
+    axes.add_collection(
+        PolyCollection(list(corners[order]), facecolors=colors, edgecolors=colors, linewidths=0.5)
     )
-    axes.add_collection(LineCollection(list(lines[:, :, :2]), colors="#d3dbe2", linewidths=0.6))
-    corners = [polygon for part in parts for polygon in part[0]]
-    if corners:
-        order = np.argsort(np.concatenate([part[1] for part in parts]), kind="stable")
-        colors = np.concatenate([part[2] for part in parts])[order]
-        # Edges of the same colour hide the hairlines between neighbouring polygons.
-        axes.add_collection(
-            PolyCollection(
-                [corners[index] for index in order], facecolors=colors, edgecolors=colors, linewidths=0.5
-            )
-        )
+    axes.add_collection(LineCollection(list(trails[:, :, :2]), colors=[ink], linewidths=height / 360))
     canvas.draw()
-    return np.asarray(canvas.buffer_rgba())[:, :, :3].copy()
+    return np.asarray(canvas.buffer_rgba())[:, :, : 4 if clear else 3].copy()

@@ -1,130 +1,186 @@
-"""Videos and stills of a run, drawn in other processes."""
+"""Films and stills of a run, drawn in other processes."""
 
 from __future__ import annotations
 
-import itertools
-import shutil
-import tempfile
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import AbstractContextManager, ExitStack, contextmanager
+from dataclasses import dataclass, field
 from pathlib import Path
 
+import numpy as np
+
+from ..arrays import FloatArray
 from ..errors import RenderError, ScenarioError
-from ..output.durable import output_errors, staged
+from ..output.durable import output_errors
 from ..output.read import read
 from ..output.run_directory import RENDER_FOLDER
-from .coloring import make_scale
-from .drawing import Progress, draw, shares
-from .encode import require_encoder, write_gif, write_mp4
+from .coloring import Field, stored_field
+from .drawing import draw
+from .encode import Take, gif_file, mp4_file, require_encoder, write_png
 from .framing import frame_motion
 from .job import Job
-from .probe import RendererName
-from .selection import Times, real_time_fps, select_frames
-from .settings import Format, Settings, check_format, make_settings
+from .panels import side_by_side
+from .scales import make_scale
+from .settings import Format, Image, Layout, Settings
+from .timeline import Shot, film, stills
+
+Progress = Callable[[int, int], None]
+"""Called with the number of pictures drawn and the number of all."""
+
+_PLAIN = "OpenGL does not work here: the plain renderer draws, without shadows and occlusion"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Wanted:
+    """Files that are asked for.
+
+    Attributes:
+        formats: Kinds of files, each once.
+        fps: Pictures per second of a film.
+        speed: Time of the run over time of the film; None is real time where that makes a film to look at.
+        times: Of stills, the nearest frames [s]; none is the last frame.
+        layout: Whether stills stand in files of their own or side by side in one.
+        output: The file, or a folder for several stills, of one format; None is inside ``<run_dir>/render``.
+    """
+
+    formats: tuple[Format, ...] = ("mp4",)
+    fps: float = 25.0
+    speed: float | None = None
+    times: tuple[float, ...] = ()
+    layout: Layout = "separate"
+    output: Path | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Drawn:
+    """What came of it.
+
+    Attributes:
+        files: Made, in the order of the formats.
+        notes: What the user should know about them.
+    """
+
+    files: list[Path] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
 
 
 def render(
     run_dir: Path,
+    settings: Settings,
+    wanted: Wanted,
     *,
-    view: str = "iso",
-    color_by: str | None = None,
-    fps: float | None = None,
-    size: tuple[int, int] = (1280, 720),
-    formats: Sequence[str] = ("mp4",),
-    camera: str = "fixed",
-    ground: str = "none",
-    times: Times = None,
-    output: Path | None = None,
+    field: Field | None = None,
     progress: Progress | None = None,
-) -> list[Path]:
-    """Make videos and stills of a run; each frame is drawn once.
+) -> Drawn:
+    """Make films and stills of a run, finished or not; each picture is drawn once.
 
     Args:
         run_dir: The run directory.
-        view: ``xy``, ``xz``, ``yz`` or ``iso``.
-        color_by: Field that colours the bodies; None gives each body a colour.
-        fps: Frames per second of a video; None plays in real time, within 10 to 60.
-        size: Width and height [pixel]; odd lengths are rounded up to even ones.
-        formats: Any of ``mp4``, ``gif`` and ``png``.
-        camera: ``fixed`` or ``tracking``.
-        ground: ``none`` or ``grid``.
-        times: Frames of stills: ``"first"``, ``"last"`` or times [s], the nearest frames; None means the
-            last frame for stills and all frames for videos.
-        output: The file, or a folder for several stills, of one format; default inside ``<run_dir>/render``.
-        progress: Called after each frame.
-
-    Returns:
-        The files made.
+        settings: What the pictures show.
+        wanted: Which files.
+        field: The field that colours the bodies, if the run does not have it.
+        progress: Called after each picture.
 
     Raises:
-        ScenarioError: If a choice does not exist.
+        ScenarioError: If the choices do not go together, or the run does not have the field.
         OutputError: If the run cannot be read or a file cannot be written.
         RenderError: If this machine cannot draw or encode.
     """
-    chosen = [check_format(name) for name in formats]
-    if output is not None and len(chosen) != 1:
-        raise ScenarioError("a file for the output takes one format")
-    settings = make_settings(view=view, color_by=color_by, size=size, camera=camera, ground=ground)
-    if fps is not None and not 0.0 < fps <= 1000.0:
-        raise ScenarioError(f"fps {fps:g}: expected a number above 0, up to 1000")
-    if "mp4" in chosen:
-        require_encoder()
+    _check(settings, wanted)
     with read(run_dir) as run:
         if not len(run):
             raise RenderError(f"{run_dir} has no frames to draw")
-        all_times = run.t
-        selected = {format: select_frames(all_times, format, times) for format in chosen}
-        framing = frame_motion(run, settings)
-        scale = None if color_by is None else make_scale(run, color_by)
-    speed = real_time_fps(all_times) if fps is None else fps
-    made: list[Path] = []
-    with tempfile.TemporaryDirectory(prefix="dismech-render-") as folder:
-        pictures = {
-            frame: Path(folder) / f"{frame:06d}.png"
-            for frame in sorted({*itertools.chain(*selected.values())})
+        times = run.t
+        if settings.color_by is not None and field is None:
+            field = stored_field(run, settings.color_by)
+        movie = film(times, wanted.fps, wanted.speed)
+        shots = {
+            format: stills(times, wanted.times) if format == "png" else list(movie.shots)
+            for format in wanted.formats
         }
-
-        def jobs(renderer: RendererName) -> list[Job]:
-            frames, files = tuple(pictures), tuple(pictures.values())
-            return [
-                Job(
-                    run_dir=run_dir.resolve(),
-                    renderer=renderer,
-                    settings=settings,
-                    framing=framing,
-                    scale=scale,
-                    frames=frames[part],
-                    files=files[part],
-                )
-                for part in shares(len(frames))
-            ]
-
-        draw(jobs, progress)
-        for format, frames in selected.items():
-            files = _output_files(run_dir, output, settings, format, frames)
+        order = sorted({*(shot for part in shots.values() for shot in part)}, key=lambda shot: shot.t)
+        filmed = any(format != "png" for format in wanted.formats)
+        job = Job(
+            run_dir=run_dir.resolve(),
+            renderer="",
+            settings=settings,
+            framing=frame_motion(run, settings, order),
+            field=field,
+            scale=None
+            if field is None
+            else make_scale(field.spec, field.values(run), settings.limits, settings.colormap),
+            shots=tuple(order),
+            decimals=time_decimals(np.array([shot.t for shot in order]) if filmed else times),
+            speed=movie.speed if filmed else 1.0,
+        )
+    drawn = Drawn(notes=list(movie.notes) if filmed else [])
+    with ExitStack() as open_files:
+        takes: list[tuple[set[Shot], Take]] = []
+        for format, part in shots.items():
+            files = _output_files(run_dir, wanted, settings, format, part)
             with output_errors(files[0].parent, "create"):
                 files[0].parent.mkdir(parents=True, exist_ok=True)
-            _write(format, [pictures[frame] for frame in frames], files, speed)
-            made += files
-    return made
+            takes.append((set(part), open_files.enter_context(_opened(format, files, job, wanted))))
+            drawn.files.extend(files)
+        images = draw(job, lambda: drawn.notes.append(_PLAIN))
+        for number, (shot, image) in enumerate(zip(order, images, strict=True), start=1):
+            for mine, take in takes:
+                if shot in mine:
+                    take(image)
+            if progress is not None:
+                progress(number, len(order))
+    return drawn
 
 
-def _write(format: Format, pictures: list[Path], files: list[Path], fps: float) -> None:
-    """Copy stills, encode a video."""
-    if format == "png":
-        for picture, file in zip(pictures, files, strict=True):
-            with staged(file) as temporary:
-                shutil.copyfile(picture, temporary)
-    else:
-        (write_mp4 if format == "mp4" else write_gif)(pictures, files[0], fps)
+def _check(settings: Settings, wanted: Wanted) -> None:
+    """Refuse what cannot be, before anything is drawn."""
+    if wanted.output is not None and len(wanted.formats) != 1:
+        raise ScenarioError("a file for the output takes one format")
+    if settings.background == "transparent" and set(wanted.formats) - {"png"}:
+        raise ScenarioError("films cannot be transparent: choose --format png, or another background")
+    if "mp4" in wanted.formats:
+        require_encoder()
+
+
+def _opened(format: Format, files: list[Path], job: Job, wanted: Wanted) -> AbstractContextManager[Take]:
+    match format:
+        case "mp4":
+            return mp4_file(files[0], job.settings.size, wanted.fps)
+        case "gif":
+            return gif_file(files[0], job.settings.size, wanted.fps)
+        case "png":
+            return _stills(files, wanted.layout)
+
+
+@contextmanager
+def _stills(files: list[Path], layout: Layout) -> Iterator[Take]:
+    """Collect stills, and write them one by one or in one file."""
+    taken: list[Image] = []
+    yield taken.append
+    pictures = [side_by_side(taken)] if layout == "panels" else taken
+    for picture, file in zip(pictures, files, strict=True):
+        write_png(picture, file)
 
 
 def _output_files(
-    run_dir: Path, output: Path | None, settings: Settings, format: Format, frames: list[int]
+    run_dir: Path, wanted: Wanted, settings: Settings, format: Format, shots: Sequence[Shot]
 ) -> list[Path]:
-    stem = settings.view if settings.color_by is None else f"{settings.view}-{settings.color_by}"
+    view, output = settings.camera.view, wanted.output
+    stem = view if settings.color_by is None else f"{view}-{settings.color_by}"
     if format != "png":
         return [run_dir / RENDER_FOLDER / f"{stem}.{format}" if output is None else output]
-    if output is not None and len(frames) == 1 and output.suffix.lower() == ".png":
+    one = len(shots) == 1 or wanted.layout == "panels"
+    if output is not None and one and output.suffix.lower() == ".png":
         return [output]
     folder = run_dir / RENDER_FOLDER if output is None else output
-    return [folder / f"{stem}-{frame:06d}.png" for frame in frames]
+    if wanted.layout == "panels":
+        return [folder / f"{stem}-panels.png"]
+    return [folder / f"{stem}-{shot.lower:06d}.png" for shot in shots]
+
+
+def time_decimals(times: FloatArray) -> int:
+    """Digits after the point that tell neighbouring times apart, at most six."""
+    if len(times) < 2:
+        return 3
+    step = float(np.median(np.diff(times)))
+    return int(np.clip(np.ceil(-np.log10(step) - 1e-6), 1, 6)) if step > 0 else 3

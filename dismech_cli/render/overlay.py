@@ -8,53 +8,120 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .coloring import Scale
-from .job import Image
+from .coloring import INK, Scale
+from .scales import exponent, power_of_ten, ticks
+from .settings import Image, Settings
 
 if TYPE_CHECKING:
     from PIL.ImageDraw import ImageDraw
     from PIL.ImageFont import FreeTypeFont
 
-_INK = (58, 68, 80)
-_PREFIXES = ((1.0, "m"), (1e-3, "mm"), (1e-6, "µm"), (1e-9, "nm"))
+_PREFIXES = ((1e3, "km"), (1.0, "m"), (1e-3, "mm"), (1e-6, "µm"), (1e-9, "nm"))
+_SMALLEST_TEXT = 10  # pixel, below which nobody can read it
+_TEXT = 1 / 30  # of the height of the picture
+_NO_TICK = 1e-9
 
 
-def add_labels(image: Image, t: float, decimals: int, pixel: float, scale: Scale | None) -> Image:
-    """Write the labels into a copy of ``image``.
+class Labels:
+    """What is written on the pictures of a run: all but the time is drawn once."""
 
-    Args:
-        image: RGB picture, shape (height, width, 3).
-        t: Time of the frame [s].
-        decimals: Digits of the time after the point, the same in all frames of a video.
-        pixel: Width of a pixel [m].
-        scale: The colours of a field, or None.
-    """
-    from PIL import Image as Pillow
-    from PIL import ImageDraw
+    def __init__(self, settings: Settings, pixel: float | None, scale: Scale | None, speed: float) -> None:
+        """Draw it.
 
-    picture = Pillow.fromarray(image)
-    pen = ImageDraw.Draw(picture)
-    unit = max(image.shape[0], 240) / 720
-    margin = 26 * unit
-    bottom = image.shape[0] - margin
-    pen.text((margin, bottom), f"t = {t:.{decimals}f} s", _INK, _font(round(22 * unit)), anchor="ls")
-    _length_scale(pen, image.shape[1] - margin, bottom, pixel, unit)
-    if scale is not None:
-        _color_bar(picture, pen, scale, unit)
-    return np.asarray(picture)
+        Args:
+            settings: What the pictures show.
+            pixel: Width of a pixel [m], or None where it is not the same everywhere.
+            scale: The colours of a field, or None.
+            speed: Of the film, told where it is not 1.
+        """
+        from PIL import Image as Pillow
+        from PIL import ImageDraw
+
+        self._ink = INK[settings.background]
+        self._height = max(settings.size[1] * _TEXT * settings.text, _SMALLEST_TEXT)
+        self._none = settings.text == 0.0
+        self._margin = 0.9 * self._height
+        self._speed = "" if speed == 1.0 else f"   (speed {speed:.4g})"
+        self._still = Pillow.new("RGBA", settings.size, (*self._ink, 0))
+        pen = ImageDraw.Draw(self._still)
+        if not self._none and pixel is not None:
+            self._length_scale(pen, settings, pixel)
+        if not self._none and scale is not None:
+            self._color_bar(pen, scale, settings.size[1])
+
+    def write(self, image: Image, t: float, decimals: int) -> Image:
+        """The picture with its labels.
+
+        Args:
+            image: RGB or RGBA, shape (height, width, channels).
+            t: Time of the frame [s].
+            decimals: Digits of the time after the point, the same in all frames of a film.
+        """
+        from PIL import Image as Pillow
+        from PIL import ImageDraw
+
+        if self._none:
+            return image
+        picture = Pillow.fromarray(image)
+        if picture.mode == "RGBA":
+            picture = Pillow.alpha_composite(picture, self._still)
+        else:
+            picture.paste(self._still, mask=self._still.getchannel("A"))
+        pen = ImageDraw.Draw(picture)
+        foot = image.shape[0] - self._margin
+        text = f"t = {t:.{decimals}f} s{self._speed}"
+        pen.text((self._margin, foot), text, self._ink, font(self._height), anchor="ls")
+        return np.asarray(picture)
+
+    def _length_scale(self, pen: ImageDraw, settings: Settings, pixel: float) -> None:
+        height, foot = self._height, settings.size[1] - self._margin
+        length = round_length(8.0 * height * pixel)
+        factor, symbol = next((entry for entry in _PREFIXES if length >= entry[0]), _PREFIXES[-1])
+        right = settings.size[0] - self._margin
+        left = right - length / pixel
+        width, tick = max(1, round(height / 11)), height / 4
+        pen.line([(left, foot), (right, foot)], self._ink, width)
+        for end in (left, right):
+            pen.line([(end, foot - tick), (end, foot)], self._ink, width)
+        text = f"{length / factor:g} {symbol}"
+        middle = ((left + right) / 2, foot - 0.35 * height)
+        pen.text(middle, text, self._ink, font(0.85 * height), anchor="ms")
+
+    def _color_bar(self, pen: ImageDraw, scale: Scale, rows: int) -> None:
+        height, left, top = self._height, self._margin, 3.1 * self._height
+        width = max(4, round(0.62 * height))
+        long = min(round(10.5 * height), round(0.6 * rows))
+        values = np.linspace(scale.upper, scale.lower, long)
+        for row, color in enumerate(scale.colors(values).tolist()):
+            pen.line([(left, top + row), (left + width, top + row)], tuple(color), 1)
+        power = exponent(scale)
+        unit = 10.0**power
+        label = scale.label if not power else _with_power(scale.label, power)
+        small = font(0.85 * height)
+        pen.text((left, top - 0.85 * height), label, self._ink, font(0.92 * height), anchor="ls")
+        for value in ticks(scale):
+            y = top + (scale.upper - value) / (scale.upper - scale.lower) * (long - 1)
+            mark = [(left + width, y), (left + width + height / 4, y)]
+            pen.line(mark, self._ink, max(1, round(height / 20)))
+            shown = 0.0 if abs(value) < _NO_TICK * (scale.upper - scale.lower) else value / unit
+            pen.text((left + width + 0.45 * height, y), f"{shown:.6g}", self._ink, small, anchor="lm")
+        beyond = [
+            f"{word} {value / unit:.3g}"
+            for word, value, out in (
+                ("max", scale.largest, scale.largest > scale.upper),
+                ("min", scale.least, scale.least < scale.lower),
+            )
+            if out
+        ]
+        if beyond:
+            below = (left, top + long + 1.0 * height)
+            pen.text(below, ", ".join(beyond), self._ink, small, anchor="ls")
 
 
-def _length_scale(pen: ImageDraw, right: float, bottom: float, pixel: float, unit: float) -> None:
-    length = round_length(180 * unit * pixel)
-    factor, symbol = next((entry for entry in _PREFIXES if length >= entry[0]), _PREFIXES[-1])
-    left = right - length / pixel
-    width = max(1, round(2 * unit))
-    tick = 5 * unit
-    pen.line([(left, bottom), (right, bottom)], _INK, width)
-    for end in (left, right):
-        pen.line([(end, bottom - tick), (end, bottom)], _INK, width)
-    text = f"{length / factor:g} {symbol}"
-    pen.text(((left + right) / 2, bottom - 7 * unit), text, _INK, _font(round(17 * unit)), anchor="ms")
+def _with_power(label: str, power: int) -> str:
+    """The power of ten before the unit, if there is one."""
+    name, bracket, unit = label.partition(" [")
+    return f"{name} [{power_of_ten(power)} {unit}" if bracket else f"{name} [{power_of_ten(power)}]"
 
 
 def round_length(length: float) -> float:
@@ -63,23 +130,9 @@ def round_length(length: float) -> float:
     return float(power * max(step for step in (1, 2, 5) if step * power <= length * (1 + 1e-9)))
 
 
-def _color_bar(picture: object, pen: ImageDraw, scale: Scale, unit: float) -> None:
-    from PIL import Image as Pillow
-
-    width, height = round(14 * unit), round(230 * unit)
-    left, top = round(28 * unit), round(62 * unit)
-    values = np.linspace(scale.upper, scale.lower, height)
-    strip = np.repeat(scale.colors(values)[:, None], width, axis=1)
-    assert isinstance(picture, Pillow.Image)
-    picture.paste(Pillow.fromarray(strip), (left, top))
-    font = _font(round(16 * unit))
-    pen.text((left, top - 16 * unit), scale.label, _INK, _font(round(18 * unit)), anchor="ls")
-    for share in (0.0, 0.25, 0.5, 0.75, 1.0):
-        value = scale.upper + share * (scale.lower - scale.upper)
-        y = top + share * (height - 1)
-        pen.line([(left + width, y), (left + width + 5 * unit, y)], _INK, max(1, round(unit)))
-        shown = 0.0 if abs(value) < 1e-9 * (scale.upper - scale.lower) else value
-        pen.text((left + width + 10 * unit, y), f"{shown:.3g}", _INK, font, anchor="lm")
+def font(height: float) -> FreeTypeFont:
+    """The font in a height [pixel]."""
+    return _font(max(_SMALLEST_TEXT, round(height)))
 
 
 @functools.cache

@@ -2,94 +2,163 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 
-from ..output.read import Run
-from .actors import RodActor, ShellActor
-from .coloring import Scale, field_colors
-from .framing import Framing
+from .actors import PartActor
+from .coloring import INK, PAPER, paled
+from .floor import Floor
 from .ground import grid_lines
-from .job import Image as Picture
-from .settings import Settings
-from .shell_solid import make_shells
+from .job import Stage
+from .occlusion import darken, openness
+from .parts import Part, make_bodies, make_parts
+from .settings import Image, Settings
+from .timeline import Shot
+from .trails import Trails
+from .window import Window
 
-_BACKGROUND = ("#e3e9ef", "#fcfdfe")  # bottom, top
-_GRID_COLOR = "#cbd4dc"
-# Drawing at twice the size and averaging smooths edges with four samples for each pixel; in software
-# rendering this takes half the time of VTK's own SSAA and FXAA passes.
-_OVERSAMPLING = 2
+_SIDES = 24
+_EDGE_ON = 0.05  # a floor seen from its side is a line
+_FAINT = 0.2  # share of the ink in a line of the grid
+# Light alone would make a pale shape dark on one side.
+_FADED = {"ambient": 0.78, "diffuse": 0.24, "specular": 0.0}
+_STRIDE = 2  # pixels of the picture for one of the grid of occlusion
+_BALL = 0.035  # of the height of the picture: radius of the ball that is looked at in corners
 
 
-def draw(
-    run: Run, frames: Sequence[int], settings: Settings, framing: Framing, scale: Scale | None
-) -> Iterator[Picture]:
-    """Yield one picture per frame.
-
-    Args:
-        run: The open run.
-        frames: Frame numbers.
-        settings: What the pictures show.
-        framing: The camera, fitted to the run.
-        scale: Colours of the field, or None for one colour per body.
-    """
-    import pyvista as pv
-    from PIL import Image
-
-    plotter: Any = pv.Plotter(
-        off_screen=True, window_size=[_OVERSAMPLING * n for n in settings.size], lighting="none"
-    )
-    plotter.render_window.SetMultiSamples(0)
-    plotter.set_background(_BACKGROUND[0], top=_BACKGROUND[1])
-    _add_lights(plotter)
-    if settings.ground == "grid":
-        grid: Any = pv.line_segments_from_points(grid_lines(framing).reshape(-1, 3))
-        plotter.add_mesh(grid, color=_GRID_COLOR, line_width=2.0, lighting=False)
-    least = framing.least_radius(settings.size)
-    rods = RodActor(run.topology, least)
-    shells = [ShellActor(solid, least) for solid in make_shells(run.topology)]
-    rods.add_to(plotter)
-    for shell in shells:
-        shell.add_to(plotter)
+def draw(stage: Stage) -> Iterator[Image]:
+    """Yield one picture per shot; see :class:`.job.Renderer`."""
+    scene = _Scene(stage)
     try:
-        for frame in frames:
-            positions = run.positions[frame]
-            on_rods, on_shells = (None, None) if scale is None else field_colors(run, scale, frame)
-            rods.move(positions, on_rods)
-            for shell in shells:
-                shell.move(positions, on_shells)
-            _aim(plotter, framing, frame)
-            # Without this, a screenshot shows the first frame again.
-            plotter.render()
-            drawn = Image.fromarray(np.asarray(plotter.screenshot(None, return_img=True))[:, :, :3])
-            yield np.asarray(drawn.reduce(_OVERSAMPLING))
+        for number, shot in enumerate(stage.shots):
+            scene.set(shot)
+            yield scene.shoot(number)
     finally:
-        plotter.close()
+        scene.close()
+
+
+class _Scene:
+    """All that stands on the stage."""
+
+    def __init__(self, stage: Stage) -> None:
+        settings, framing = stage.settings, stage.framing
+        self._stage = stage
+        self._origin = framing.centers[0]
+        self._paper = np.array(PAPER[settings.background], dtype=np.uint8)
+        self._blank = _blank(settings)
+        self._window = Window(settings.size, PAPER[settings.background])
+        plotter = self._window.plotter
+        _add_lights(plotter)
+        least = framing.least_radius(settings.size)
+        if settings.ground == "grid" or (settings.ground == "floor" and abs(framing.basis[2, 2]) < _EDGE_ON):
+            self._add_grid()
+        self._actors = [self._actor(part) for part in make_parts(stage.run, least, _SIDES)]
+        self._ghosts = [self._ghost(shot, make_bodies(stage.run, least, _SIDES)) for shot in stage.ghosts]
+        self._trails = None
+        if settings.trails:
+            ink = INK[settings.background]
+            self._trails = Trails(settings.size[1], ink, self._origin, plotter)
+        self._floor = Floor(framing, self._origin, plotter) if settings.ground == "floor" else None
+
+    def set(self, shot: Shot) -> None:
+        """Move everything."""
+        positions = shot.between(self._stage.run.positions)
+        for actor in self._actors:
+            actor.move(shot.t, positions)
+            actor.paint(self._stage.painter.colors(actor.part, shot))
+        for ghost, t in zip(self._ghosts, self._stage.settings.ghosts, strict=True):
+            for one in ghost:
+                one.visibility = t < shot.t
+        if self._trails is not None:
+            self._trails.draw(self._stage.trails(shot))
+        if self._floor is not None:
+            self._floor.cast(self._actors)
+
+    def shoot(self, number: int) -> Image:
+        """The picture of a shot, by its number."""
+        framing = self._stage.framing
+        reach = 8.0 * (framing.depth + framing.half_height)
+        center = framing.centers[number] - self._origin
+        self._window.aim(framing.basis, center, framing.half_height, framing.distance, reach, framing.angle)
+        part, where = self._window.shoot()
+        if self._floor is not None:
+            part = self._shade(part, where)
+        picture = self._blank.copy()
+        picture[where] = _without_paper(part, self._paper) if self._blank.shape[2] == 4 else part[..., :3]
+        return picture
+
+    def close(self) -> None:
+        """Let go of the graphics library."""
+        if self._floor is not None:
+            self._floor.close()
+        self._window.close()
+
+    def _actor(self, part: Part) -> PartActor:
+        settings = self._stage.settings
+        actor = PartActor(part, self._origin, smooth=settings.smooth, mesh=settings.mesh)
+        actor.add_to(self._window.plotter)
+        return actor
+
+    def _ghost(self, shot: Shot, parts: list[Part]) -> list[Any]:
+        """An earlier shape, nearly in the colour of the background; it moves no more."""
+        stage, shown = self._stage, []
+        for part in parts:
+            actor = PartActor(part, self._origin, smooth=stage.settings.smooth, mesh=False)
+            shown.append(actor.add_to(self._window.plotter))
+            for name, value in _FADED.items():
+                setattr(shown[-1].prop, name, value)
+            # where the shape of now is at the same place, it is seen
+            shown[-1].mapper.SetResolveCoincidentTopologyToPolygonOffset()
+            shown[-1].mapper.SetRelativeCoincidentTopologyPolygonOffsetParameters(4.0, 4.0)
+            actor.move(shot.t, shot.between(stage.run.positions))
+            actor.paint(paled(stage.painter.colors(part, shot), stage.settings.background))
+        return shown
+
+    def _add_grid(self) -> None:
+        import pyvista as pv
+
+        background = self._stage.settings.background
+        ink, paper = np.array(INK[background]), np.array(PAPER[background])
+        lines: Any = pv.line_segments_from_points(
+            (grid_lines(self._stage.framing) - self._origin).reshape(-1, 3)
+        )
+        color = (_FAINT * ink + (1.0 - _FAINT) * paper) / 255
+        self._window.plotter.add_mesh(lines, color=color.tolist(), line_width=2.0, lighting=False)
+
+    def _shade(self, part: Image, where: tuple[slice, slice]) -> Image:
+        """Less light in corners."""
+        size, framing = self._stage.settings.size, self._stage.framing
+        depths = self._window.depths(where, _STRIDE)
+        radius, pixel = max(2, round(_BALL * size[1] / _STRIDE)), _STRIDE * framing.pixel(size)
+        light = openness(depths, radius, pixel)
+        return darken(part, light, np.isfinite(depths))
 
 
 def _add_lights(plotter: Any) -> None:
-    """Key, fill and back light that turn with the camera, so that every view is lit alike."""
+    """Key and fill light that turn with the camera, so that every view is lit alike."""
     import pyvista as pv
 
     for position, intensity, color in (
-        ((-0.7, 1.1, 1.3), 0.90, "#fffaf2"),
-        ((1.2, 0.1, 0.9), 0.34, "#dfeaff"),
-        ((0.0, -1.0, 0.6), 0.12, "#ffffff"),
+        ((-0.7, 1.1, 1.3), 0.88, "#fffaf2"),
+        ((1.2, -0.1, 0.9), 0.38, "#e2ebff"),
     ):
         plotter.add_light(
             pv.Light(position=position, intensity=intensity, color=color, light_type="camera light")
         )
 
 
-def _aim(plotter: Any, framing: Framing, frame: int) -> None:
-    center = framing.centers[frame]
-    distance = 4.0 * (framing.depth + framing.half_height)
-    camera = plotter.camera
-    camera.focal_point = tuple(center)
-    camera.position = tuple(center + distance * framing.basis[2])
-    camera.up = tuple(framing.basis[1])
-    camera.parallel_projection = True
-    camera.parallel_scale = framing.half_height
-    plotter.renderer.reset_camera_clipping_range()
+def _blank(settings: Settings) -> Image:
+    """A picture of nothing."""
+    width, height = settings.size
+    if settings.background == "transparent":
+        return np.zeros((height, width, 4), dtype=np.uint8)
+    return np.tile(np.array(PAPER[settings.background], dtype=np.uint8), (height, width, 1))
+
+
+def _without_paper(part: Image, paper: Image) -> Image:
+    """Colours of what covers the paper, without what shows through."""
+    opacity = part[..., 3:].astype(np.float64) / 255
+    colors = (part[..., :3] - (1.0 - opacity) * paper) / np.maximum(opacity, 1 / 255)
+    return np.concatenate((np.clip(colors, 0, 255).round().astype(np.uint8), part[..., 3:]), axis=2)

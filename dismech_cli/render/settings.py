@@ -1,19 +1,45 @@
-"""What a picture shows, checked once."""
+"""What a picture shows."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Literal, cast, get_args
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal
 
-from ..errors import ScenarioError
+import numpy as np
+from numpy.typing import NDArray
 
 View = Literal["xy", "xz", "yz", "iso"]
-Camera = Literal["fixed", "tracking"]
 Format = Literal["mp4", "gif", "png"]
-Ground = Literal["none", "grid"]
+Ground = Literal["none", "grid", "floor"]
+Background = Literal["white", "grey", "dark", "transparent"]
+Ends = Literal["extended", "stored", "marked"]
+Layout = Literal["separate", "panels"]
+Triple = tuple[float, float, float]
+Rgb = tuple[int, int, int]
+Image = NDArray[np.uint8]
+"""RGB or RGBA picture, shape (height, width, 3 or 4)."""
 
-_SMALLEST, _LARGEST = 64, 7680
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Camera:
+    """Where the eye is.
+
+    Attributes:
+        view: Plane of the picture, or ``iso`` for the oblique view; ``eye`` goes before it.
+        eye: Position of the eye [m]; None stands where the whole motion is seen.
+        target: What it looks at [m]; None is the middle of the motion.
+        up: Direction that is up in the picture; None is that of the view.
+        angle: Height of the field of view [rad]; 0 is a parallel projection.
+        follow: Nodes whose middle is followed; None stands still, and empty are all nodes.
+    """
+
+    view: View = "iso"
+    eye: Triple | None = None
+    target: Triple | None = None
+    up: Triple | None = None
+    angle: float = 0.0
+    follow: tuple[int, ...] | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -21,52 +47,34 @@ class Settings:
     """Choices of one set of pictures.
 
     Attributes:
-        view: Plane of the picture, or ``iso`` for the oblique view.
+        camera: Where the eye is.
         color_by: Name of the field that colours the bodies; None gives each body its own colour.
         size: Width and height [pixel], both even, as video encoders want them.
-        camera: ``fixed`` frames the whole motion, ``tracking`` follows the middle of the robot.
-        ground: ``grid`` draws lines at the lowest point of the motion.
+        ground: ``grid`` draws lines at the lowest point of the motion, ``floor`` a shadow and in corners
+            the light that does not get there.
+        background: Its colour, or ``transparent``.
+        smooth: Whether normals are averaged over the facets.
+        mesh: Whether the triangles of shells have lines.
+        ends: Ends of rods: ``extended`` from the joint beside them, as ``stored``, or ``marked``.
+        colors: Colours of bodies by their index, in place of the usual ones.
+        text: Size of the labels, 1 for the usual; 0 writes none.
+        ghosts: Times of earlier shapes that stay, pale [s].
+        trails: Nodes that leave a line.
+        colormap: Name of a map of Matplotlib; None is the usual.
+        limits: Values of the first and last colour; None is the range of the run.
     """
 
-    view: View = "iso"
+    camera: Camera = field(default_factory=Camera)
     color_by: str | None = None
     size: tuple[int, int] = (1280, 720)
-    camera: Camera = "fixed"
     ground: Ground = "none"
-
-
-def make_settings(
-    *, view: str, color_by: str | None, size: Sequence[int], camera: str, ground: str = "none"
-) -> Settings:
-    """Check what the user asked for; odd sizes are rounded up to even ones.
-
-    Raises:
-        ScenarioError: If a choice does not exist or the size is out of range.
-    """
-    width, height = (int(length) + int(length) % 2 for length in size)
-    if not (_SMALLEST <= width <= _LARGEST and _SMALLEST <= height <= _LARGEST):
-        raise ScenarioError(
-            f"picture size {width}x{height}: both lengths must lie between {_SMALLEST} and {_LARGEST}"
-        )
-    return Settings(
-        view=cast(View, _choice("view", view, get_args(View))),
-        color_by=color_by,
-        size=(width, height),
-        camera=cast(Camera, _choice("camera", camera, get_args(Camera))),
-        ground=cast(Ground, _choice("ground", ground, get_args(Ground))),
-    )
-
-
-def check_format(name: str) -> Format:
-    """Check the name of a picture format.
-
-    Raises:
-        ScenarioError: If there is no such format.
-    """
-    return cast(Format, _choice("format", name, get_args(Format)))
-
-
-def _choice(what: str, value: str, known: Sequence[str]) -> str:
-    if value not in known:
-        raise ScenarioError(f"no {what} is called {value!r}; choose from {', '.join(known)}")
-    return value
+    background: Background = "white"
+    smooth: bool = True
+    mesh: bool = False
+    ends: Ends = "extended"
+    colors: Mapping[int, Rgb] = field(default_factory=dict)
+    text: float = 1.0
+    ghosts: tuple[float, ...] = ()
+    trails: tuple[int, ...] = ()
+    colormap: str | None = None
+    limits: tuple[float, float] | None = None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -10,7 +11,7 @@ from ..arrays import FloatArray, IntArray
 from ..mesh.measure import area_vectors
 from ..mesh.topology.sides import rim_sides
 from ..output.frame import Topology
-from .coloring import cells_to_nodes
+from .tubes import unit
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -24,10 +25,10 @@ class ShellSolid:
         nodes: Indices of the nodes used, shape (M,).
         triangles: Into ``nodes``, shape (T, 3).
         rim: Boundary edges with the shell on their left, into ``nodes``, shape (B, 2).
-        half_thickness: At each of ``nodes`` [m], shape (M,).
-        faces: Triangles of the closed surface, into its vertices, shape (2 T + 2 B, 3).
-        source: Node index behind each vertex, shape (2 M + 4 B,).
-        body: Index of the body.
+        half_thickness: At each of ``nodes``, at least so that a thin rim stays visible [m], shape (M,).
+        faces: See :class:`.parts.Part`, 2 T + 2 B triangles.
+        source: See there, for 2 M + 4 B vertices.
+        body: See there.
     """
 
     nodes: IntArray
@@ -36,25 +37,18 @@ class ShellSolid:
     half_thickness: FloatArray
     faces: IntArray
     source: IntArray
-    body: int
+    body: IntArray
+    color: ClassVar[None] = None
+    meshed: ClassVar[bool] = True
 
-    def vertices(self, positions: FloatArray, least_half_thickness: float) -> tuple[FloatArray, FloatArray]:
-        """Place the surface.
-
-        Args:
-            positions: Of all nodes [m], shape (N, 3).
-            least_half_thickness: Drawn at least this thick [m], so that a thin rim stays visible.
-
-        Returns:
-            Vertices [m] and outward unit normals, shape (2 M + 4 B, 3) each.
-        """
+    def place(self, t: float, positions: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Vertices [m] and outward unit normals, shape (2 M + 4 B, 3) each."""
         middle = positions[self.nodes]
         normal = vertex_normals(middle, self.triangles)
-        offset = normal * np.maximum(self.half_thickness, least_half_thickness)[:, None]
+        offset = normal * self.half_thickness[:, None]
         upper, lower = middle + offset, middle - offset
         a, b = self.rim.T
-        outward = np.cross(middle[b] - middle[a], normal[a] + normal[b])
-        outward /= np.maximum(np.linalg.norm(outward, axis=1, keepdims=True), 1e-300)
+        outward = unit(np.cross(middle[b] - middle[a], normal[a] + normal[b]))
         vertices = np.concatenate([upper, lower, upper[a], upper[b], lower[b], lower[a]])
         return vertices, np.concatenate([normal, -normal, outward, outward, outward, outward])
 
@@ -62,18 +56,33 @@ class ShellSolid:
 def vertex_normals(points: FloatArray, triangles: IntArray) -> FloatArray:
     """Unit normals at the vertices, averaged by area; shape as ``points``."""
     area = area_vectors(points, triangles)
-    total = np.zeros_like(points)
-    for corner in range(3):
-        np.add.at(total, triangles[:, corner], area)
-    return np.asarray(total / np.maximum(np.linalg.norm(total, axis=1, keepdims=True), 1e-300))
+    corners = triangles.ravel()
+    total = [np.bincount(corners, np.repeat(area[:, k], 3), len(points)) for k in range(3)]
+    return unit(np.stack(total, axis=1))
 
 
-def make_shells(topology: Topology) -> list[ShellSolid]:
-    """Build the surface of every body that has triangles."""
-    return [_make_shell(topology, int(body)) for body in np.unique(topology.triangle_body)]
+def cells_to_nodes(values: FloatArray, cells: IntArray, nodes: int) -> FloatArray:
+    """Average the values of the cells around each node.
+
+    Args:
+        values: One value per cell, shape (C,).
+        cells: Node indices, shape (C, k).
+        nodes: Number of nodes.
+
+    Returns:
+        One value per node, shape (nodes,); zero at nodes without a cell.
+    """
+    count = np.bincount(cells.ravel(), minlength=nodes)
+    total = np.bincount(cells.ravel(), weights=np.repeat(values, cells.shape[1]), minlength=nodes)
+    return np.asarray(total / np.maximum(count, 1))
 
 
-def _make_shell(topology: Topology, body: int) -> ShellSolid:
+def make_shells(topology: Topology, least: float) -> list[ShellSolid]:
+    """The surface of every body that has triangles, at least ``least`` to each side [m]."""
+    return [_make_shell(topology, int(body), least) for body in np.unique(topology.triangle_body)]
+
+
+def _make_shell(topology: Topology, body: int, least: float) -> ShellSolid:
     mine = topology.triangle_body == body
     nodes, local = np.unique(topology.triangles[mine], return_inverse=True)
     triangles = local.reshape(-1, 3)
@@ -84,12 +93,14 @@ def _make_shell(topology: Topology, body: int) -> ShellSolid:
         [triangles, triangles[:, ::-1] + count, quads[[0, 3, 2]].T, quads[[0, 2, 1]].T], dtype=np.int64
     )
     a, b = nodes[rim].T
+    source = np.concatenate([nodes, nodes, a, b, b, a])
+    half = cells_to_nodes(topology.triangle_thickness[mine], triangles, count) / 2
     return ShellSolid(
         nodes=nodes,
         triangles=triangles,
         rim=rim,
-        half_thickness=cells_to_nodes(topology.triangle_thickness[mine], triangles, count) / 2,
+        half_thickness=np.maximum(half, least),
         faces=faces,
-        source=np.concatenate([nodes, nodes, a, b, b, a]),
-        body=body,
+        source=source,
+        body=np.full(len(source), body),
     )

@@ -1,46 +1,76 @@
-"""The drawing process: reads a job from stdin, writes PNG files, prints a line for each.
+"""Draws the shots of a job: run as a program of its own.
 
-It is a process of its own because a missing or broken OpenGL library ends a process by a signal, not
-by an exception.
+The pictures go to stdout, one after another, as bytes.
 """
 
 from __future__ import annotations
 
+import os
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from ..output.read import read
+from ..arrays import FloatArray
+from ..output.read import Run, read
 from . import matplotlib_scene, scene
-from .job import Job, Renderer
-from .overlay import add_labels
+from .coloring import Painter
+from .job import Job, Renderer, Stage
+from .overlay import Labels
+from .settings import Image
+from .timeline import shot_at
 
 RENDERERS: Mapping[str, Renderer] = {"pyvista": scene.draw, "matplotlib": matplotlib_scene.draw}
 
 
-def work(job: Job) -> None:
-    """Draw the frames of ``job``; print the number of each frame when its file is written."""
-    from PIL import Image
-
+def work(job: Job) -> Iterator[Image]:
+    """The pictures of a job, with labels."""
+    settings, framing = job.settings, job.framing
+    pixel = None if framing.angle else framing.pixel(settings.size)
+    labels = Labels(settings, pixel, job.scale, job.speed)
     with read(job.run_dir) as run:
-        times = run.t
-        decimals = time_decimals(times)
-        images = RENDERERS[job.renderer](run, job.frames, job.settings, job.framing, job.scale)
-        for frame, file, image in zip(job.frames, job.files, images, strict=True):
-            pixel = job.framing.pixel(job.settings.size)
-            labelled = add_labels(image, float(times[frame]), decimals, pixel, job.scale)
-            Image.fromarray(labelled).save(file, compress_level=1)
-            print(frame, flush=True)
+        images = RENDERERS[job.renderer](_stage(job, run))
+        for shot, image in zip(job.shots, images, strict=True):
+            yield labels.write(image, shot.t, job.decimals)
 
 
-def time_decimals(times: np.ndarray[tuple[int], np.dtype[np.float64]]) -> int:
-    """Digits after the point that tell neighbouring frames apart, at most six."""
-    if len(times) < 2:
-        return 3
-    step = float(np.median(np.diff(times)))
-    return int(np.clip(np.ceil(-np.log10(step) - 1e-6), 1, 6)) if step > 0 else 3
+def _stage(job: Job, run: Run) -> Stage:
+    settings, times = job.settings, run.t
+    painter = Painter(
+        run.topology,
+        [] if job.field is None else job.field.values(run),
+        job.field,
+        job.scale,
+        settings.colors,
+        settings.ends,
+    )
+    return Stage(
+        run=run,
+        shots=job.shots,
+        settings=settings,
+        framing=job.framing,
+        painter=painter,
+        ghosts=[shot_at(times, t) for t in settings.ghosts],
+        times=times,
+        paths=_paths(run, settings.trails),
+    )
+
+
+def _paths(run: Run, nodes: tuple[int, ...]) -> FloatArray:
+    """Positions of some nodes in all frames [m], shape (F, K, 3)."""
+    if not nodes:
+        return np.empty((len(run), 0, 3))
+    return np.stack([run.positions[frame][list(nodes)] for frame in range(len(run))])
+
+
+def main() -> None:
+    """Read a job from stdin and write its pictures to stdout, which nothing else may write to."""
+    with os.fdopen(os.dup(1), "wb") as pictures:
+        os.dup2(2, 1)
+        for image in work(Job.from_json(sys.stdin.read())):
+            pictures.write(np.ascontiguousarray(image).data)
+            pictures.flush()
 
 
 if __name__ == "__main__":
-    work(Job.from_json(sys.stdin.read()))
+    main()

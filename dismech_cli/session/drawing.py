@@ -2,41 +2,42 @@
 
 from __future__ import annotations
 
+import tempfile
 import time
 from dataclasses import dataclass
 from pathlib import Path
+from typing import get_args
 
-from ..errors import DismechError
-from ..output.run_directory import LOG_FILE, SCENARIO_FILE
-from ..render.movie import render as make
+from ..errors import DismechError, ScenarioError
+from ..output.read import read
+from ..output.run_directory import LOG_FILE
+from ..render.movie import Drawn, Wanted, render
 from ..render.plot import plot_scalars
-from ..scenario.language.output import Render
-from ..scenario.load import load
+from ..render.settings import Format
+from ..scenario.language.render import ColorField, Render
+from ..scenario.load import LoadedScenario
+from ..words import hint, listed
+from .computing import computed_field
 from .conduct import Record
 from .log import Logged
 from .narrator import Narrator
+from .picturing import asked_of, formats_of, settings_of
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Wishes:
-    """Choices of the user; None leaves that of the scenario.
+    """Choices of the user over those of the scenario.
 
     Attributes:
-        view: ``xy``, ``xz``, ``yz`` or ``iso``.
-        color_by: Field, or ``none``.
-        fps: Frames per second.
-        size: Width and height [pixel].
-        format: Only this kind: ``mp4``, ``gif`` or ``png``.
-        camera: ``fixed`` or ``tracking``.
+        changes: Keys of ``output.render`` as ``KEY=VALUE``.
+        color_by: Field, or ``none``; it need not be stored.
+        format: Only this kind of picture.
         output: The file, with ``format`` only.
     """
 
-    view: str | None = None
+    changes: tuple[str, ...] = ()
     color_by: str | None = None
-    fps: float | None = None
-    size: tuple[int, int] | None = None
-    format: str | None = None
-    camera: str | None = None
+    format: Format | None = None
     output: Path | None = None
 
 
@@ -61,11 +62,11 @@ def draw_asked(record: Record, asked: Render, narrator: Narrator) -> Finished:
         asked: What is asked for.
         narrator: Told what is drawn and how long it took; the log of the run is too.
     """
-    parts = _parts(asked, record.manifest.counters.get("frames", 0))
+    parts = _parts(asked)
     if record.manifest.status != "done" or not parts:
         return Finished(record)
     logged = Logged(narrator, record.run_dir / LOG_FILE)
-    logged.say(f"rendering {', '.join(parts)}")
+    logged.say(f"rendering {listed(parts)}")
     tick = time.perf_counter()
     try:
         pictures = draw(record.run_dir, Wishes(), logged)
@@ -76,55 +77,68 @@ def draw_asked(record: Record, asked: Render, narrator: Narrator) -> Finished:
     return Finished(record, tuple(pictures))
 
 
-def _parts(asked: Render, frames: int) -> list[str]:
+def _parts(asked: Render) -> list[str]:
     """What will be drawn, in words; nothing if no picture is asked for."""
-    parts = [f"a video of {frames} frames"] if asked.video != "none" else []
-    parts += ["a still"] if asked.still else []
+    parts = ["a film"] if asked.video != "none" else []
+    parts += ["stills" if len(asked.times) > 1 else "a still"] if asked.still else []
     parts += ["diagrams"] if asked.plots else []
     return parts
 
 
 def draw(run_dir: Path, wishes: Wishes, narrator: Narrator) -> list[Path]:
-    """Draw a run.
+    """Draw a run, finished or not, with the frames that it has.
 
     Raises:
-        ScenarioError: A choice does not exist.
+        ScenarioError: A choice does not exist, or the field is not known.
         OutputError: The run cannot be read or a file cannot be written.
         RenderError: This machine cannot draw or encode.
     """
-    asked = _asked(run_dir)
-    color_by = _field(wishes.color_by or asked.color_by)
+    loaded = asked_of(run_dir, wishes.changes)
+    asked = loaded.scenario.output.render
     files: list[Path] = []
-    if formats := [wishes.format] if wishes.format else _formats(asked):
-        files += make(
-            run_dir,
-            view=wishes.view or asked.view,
-            color_by=color_by,
-            fps=asked.fps if wishes.fps is None else wishes.fps,
-            size=wishes.size or (asked.size[0], asked.size[1]),
-            formats=formats,
-            camera=wishes.camera or asked.camera,
-            output=wishes.output,
-            progress=narrator.drawn,
-        )
+    if formats := (wishes.format,) if wishes.format else formats_of(asked):
+        drawn = _draw(run_dir, loaded, formats, wishes, narrator)
+        for note in drawn.notes:
+            narrator.say(note)
+        files += drawn.files
     if asked.plots and wishes.format is None:
         files.append(plot_scalars(run_dir, asked.plots))
     return files
 
 
-def _asked(run_dir: Path) -> Render:
-    """What the scenario of the run asks for; a run without one asks for nothing."""
-    file = run_dir / SCENARIO_FILE
-    return load(file).scenario.output.render if file.is_file() else Render()
-
-
-def _formats(asked: Render) -> list[str]:
-    """Kinds of pictures that the scenario asks for, or a video if it asks for nothing at all."""
-    kinds = ["png"] if asked.still else []
-    kinds += [asked.video] if asked.video != "none" else []
-    return kinds if kinds or asked.plots else ["mp4"]
+def _draw(
+    run_dir: Path, loaded: LoadedScenario, formats: tuple[Format, ...], wishes: Wishes, narrator: Narrator
+) -> Drawn:
+    asked = loaded.scenario.output.render
+    wanted = Wanted(
+        formats=formats,
+        fps=asked.fps,
+        speed=asked.speed,
+        times=asked.times,
+        layout=asked.layout,
+        output=wishes.output,
+    )
+    name = _field(wishes.color_by or asked.color_by)
+    with tempfile.TemporaryDirectory(prefix="dismech-render-") as folder:
+        with read(run_dir) as run:
+            settings = settings_of(loaded, run.topology, name)
+            missing = name is not None and name not in [spec.name for spec in run.topology.fields]
+            field = computed_field(run, str(name), Path(folder) / "field.npy") if missing else None
+        return render(run_dir, settings, wanted, field=field, progress=narrator.drawn)
 
 
 def _field(color_by: str) -> str | None:
-    """The field of a colour: a vector is shown by its length, so speed is that of the velocity."""
-    return {"none": None, "speed": "velocity"}.get(color_by, color_by)
+    """The field of a colour: a vector is shown by its length, so speed is that of the velocity.
+
+    Raises:
+        ScenarioError: There is no such field.
+    """
+    colors = {"none": None, "speed": "velocity", **{name: name for name in _names(ColorField)}}
+    if color_by not in colors:
+        raise ScenarioError(f"no field is called {color_by!r}{hint(color_by, colors)}: take {listed(colors)}")
+    return colors[color_by]
+
+
+def _names(choice: object) -> tuple[str, ...]:
+    """What may be chosen; Python flattens a choice of choices."""
+    return get_args(choice)

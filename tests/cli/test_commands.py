@@ -130,10 +130,21 @@ def test_render_makes_a_picture(call, ran, monkeypatch):
     ("options", "message"),
     [
         (("--size", "big"), "WIDTHxHEIGHT"),
-        (("--format", "png", "--size", "1x1"), "picture size"),
-        (("--color-by", "mood", "--format", "png"), "cannot colour by 'mood'"),
+        (("--format", "png", "--size", "1x1"), "at least 64"),
+        (("--color-by", "mood", "--format", "png"), "no field is called 'mood'"),
+        (("--color-by", "area_strain", "--format", "png"), "is a field of shells"),
         (("-o", "x.png"), "needs --format"),
-        (("--view", "top"), "--view"),
+        (("--view", "top"), "output.render.view: expected 'auto', 'xy'"),
+        (("--speed", "-1"), "output.render.speed: must be greater than 0"),
+        (("--times", "0, 2 kg"), "output.render.times[1]"),
+        (("--camera", "drone"), "expected 'fixed', 'tracking' or a mapping"),
+        (("--camera", "{follow: nobody}"), "no body is named 'nobody'"),
+        (("--camera", "{from: [1, 0, 0], to: [1, 0, 0]}"), "must be different points"),
+        (("--background", "transparent"), "films cannot be transparent"),
+        (("--set", "colors={beam: red}"), "output.render.colors.beam"),
+        (("--set", "range=[0, 1]"), "has no meaning without 'color_by'"),
+        (("--set", "ghosts=[9 s]"), "after the end of the run"),
+        (("--set", "trails=[tail]"), "output.render.trails[0]"),
     ],
 )
 def test_render_refuses_what_does_not_exist(call, ran, options, message):
@@ -167,17 +178,17 @@ PLOT = ("--set", "output.render={plots: [tip]}")
 @pytest.mark.parametrize(
     ("asked", "kinds"),
     [
-        ({}, ["mp4"]),
-        ({"still": True}, ["png"]),
-        ({"video": "gif", "still": True}, ["png", "gif"]),
-        ({"plots": ["tip"]}, []),
+        ({}, ("mp4",)),
+        ({"still": True}, ("png",)),
+        ({"video": "gif", "still": True}, ("png", "gif")),
+        ({"plots": ["tip"]}, ()),
     ],
 )
 def test_render_follows_the_scenario(asked, kinds):
-    from dismech_cli.scenario.language.output import Render
-    from dismech_cli.session.drawing import _formats
+    from dismech_cli.scenario.language.render import Render
+    from dismech_cli.session.picturing import formats_of
 
-    assert _formats(Render.model_validate(asked)) == kinds
+    assert formats_of(Render.model_validate(asked)) == kinds
 
 
 def test_pictures_of_the_scenario_are_made_after_the_run(call, swing):

@@ -5,11 +5,11 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
-from PIL import Image
 
 from dismech_cli.errors import OutputError, RenderError
-from dismech_cli.render.encode import require_encoder, write_mp4
+from dismech_cli.render.encode import mp4_file, require_encoder
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="a shell script stands in for the encoder")
 
@@ -21,12 +21,10 @@ def _encoder(folder: Path, monkeypatch: pytest.MonkeyPatch, script: str) -> None
     monkeypatch.setenv("IMAGEIO_FFMPEG_EXE", str(program))
 
 
-@pytest.fixture
-def pictures(tmp_path: Path) -> list[Path]:
-    files = [tmp_path / f"{k}.png" for k in range(3)]
-    for file in files:
-        Image.new("RGB", (640, 480)).save(file)
-    return files
+def _film(file: Path) -> None:
+    with mp4_file(file, (640, 480), 25.0) as take:
+        for _ in range(3):
+            take(np.zeros((480, 640, 3), dtype=np.uint8))
 
 
 @pytest.mark.parametrize(
@@ -42,14 +40,13 @@ def pictures(tmp_path: Path) -> list[Path]:
         ("cat > /dev/null; exit 0", RenderError, "the encoder of mp4 failed"),
     ],
 )
-def test_a_failing_encoder_is_told_and_leaves_no_file(
-    tmp_path, pictures, monkeypatch, script, error, message
-):
+def test_a_failing_encoder_is_told_and_leaves_no_file(tmp_path, monkeypatch, script, error, message):
     pytest.importorskip("imageio_ffmpeg")
     _encoder(tmp_path, monkeypatch, script)
     (tmp_path / "out").mkdir()
+    file = tmp_path / "out" / "video.mp4"
     with pytest.raises(error, match=message):
-        write_mp4(pictures, tmp_path / "out" / "video.mp4", 25.0)
+        _film(file)
     assert not list((tmp_path / "out").iterdir())
 
 

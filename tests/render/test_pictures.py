@@ -11,8 +11,10 @@ from PIL import Image
 
 from dismech_cli.errors import OutputError, RenderError, ScenarioError
 from dismech_cli.render import drawing, movie, probe
-from dismech_cli.render.encode import write_mp4
+from dismech_cli.render.encode import mp4_file
+from dismech_cli.render.movie import Wanted
 from dismech_cli.render.plot import plot_scalars
+from dismech_cli.render.settings import Camera, Settings
 
 SIZE = (320, 180)
 RENDERERS = ["pyvista", "matplotlib"]
@@ -36,11 +38,17 @@ def open_image(path):
         return np.asarray(picture.convert("RGB"))
 
 
+def draw(run_dir, formats=("png",), times=(), output=None, progress=None, **settings):
+    """Files of small pictures."""
+    wanted = Wanted(formats=formats, fps=10.0, times=times, output=output)
+    return movie.render(run_dir, Settings(size=SIZE, **settings), wanted, progress=progress).files
+
+
 def test_a_rod_is_where_it_should_be(tmp_path, renderer):
     topology, frames = cantilever(frames=3)
     frames[2].positions[7] = np.nan  # what a failed run may leave must not stop the picture
     run_dir = write_run(tmp_path, (topology, frames))
-    files = movie.render(run_dir, view="xz", formats=["png"], size=SIZE, times=[0.0, 0.1, 0.2])
+    files = draw(run_dir, camera=Camera(view="xz"), times=(0.0, 0.1, 0.2))
     assert [file.name for file in files] == [f"xz-{frame:06d}.png" for frame in range(3)]
     straight, bent = (inked(open_image(file)) for file in files[:2])
     rows, columns = np.nonzero(straight)
@@ -51,47 +59,102 @@ def test_a_rod_is_where_it_should_be(tmp_path, renderer):
     tip = frames[1].positions[-1]
     assert np.ptp(bent_rows) + 1 == pytest.approx((0.003 - tip[2]) * scale, abs=4)
     assert bent_columns.max() < columns.max()
-    # In front of a pale background, brighter at the top than at the bottom.
+    # In front of plain paper: no gradient, no noise.
     image = open_image(files[0])
     assert image.shape == (180, 320, 3)
-    assert image[2, SIZE[0] // 2].min() > image[-3, SIZE[0] // 2].min() > 200
+    assert (image[60:140] == 255).all()
 
 
 def test_colours_follow_the_field(tmp_path, renderer):
     run_dir = write_run(tmp_path, sheet(frames=2))
-    (file,) = movie.render(run_dir, formats=["png"], size=SIZE, color_by="strain", ground="grid")
+    (file,) = draw(run_dir, color_by="strain", ground="grid", mesh=True, smooth=False)
     assert file == run_dir / "render" / "iso-strain-000001.png"
     robot = open_image(file)[:, SIZE[0] // 4 :].astype(int)
     assert (robot[..., 2] - robot[..., 0] > 40).sum() > 100, "low values are blue"
     assert (robot[..., 0] - robot[..., 2] > 40).sum() > 100, "high values are red"
 
 
-def test_several_processes_draw_one_video_and_report_progress(tmp_path, monkeypatch):
+def test_a_transparent_picture_covers_the_robot_alone(tmp_path, renderer):
+    run_dir = write_run(tmp_path, cantilever(frames=2))
+    view = Camera(view="xz")
+    (clear,) = draw(run_dir, background="transparent", text=0.0, camera=view, output=tmp_path / "a.png")
+    (white,) = draw(run_dir, text=0.0, camera=view, output=tmp_path / "b.png")
+    with Image.open(clear) as picture:
+        assert picture.mode == "RGBA"
+        image = np.asarray(picture).astype(float)
+    opacity = image[..., 3:] / 255
+    assert (opacity[inked(open_image(white))] > 0.0).all()
+    assert (opacity < 1.0).mean() > 0.9
+    if renderer == "matplotlib":
+        return  # whose edges are painted over each other
+    # On white paper it is the picture with white paper, up to rounding of colours and opacity.
+    composed = opacity * image[..., :3] + (1.0 - opacity) * 255
+    assert np.abs(composed - open_image(white)).max() <= 3.0
+
+
+def test_ghosts_are_pale_and_trails_are_lines(tmp_path, renderer):
+    run_dir = write_run(tmp_path, cantilever(frames=3))
+    look = {"camera": Camera(view="xz"), "text": 0.0}
+    (plain,) = draw(run_dir, output=tmp_path / "a.png", **look)
+    (haunted,) = draw(run_dir, output=tmp_path / "b.png", ghosts=(0.0,), **look)
+    (traced,) = draw(run_dir, output=tmp_path / "c.png", trails=(40,), **look)
+    alone, with_ghost, with_trail = (open_image(file).astype(int) for file in (plain, haunted, traced))
+    drawn = (with_ghost < 250).any(axis=2) & (alone > 250).all(axis=2)
+    # The straight rod of 0.1 m is still seen, in a colour near that of the paper.
+    assert np.ptp(np.nonzero(drawn)[1]) > 0.8 * np.ptp(np.nonzero(inked(alone))[0])
+    assert with_ghost[drawn].mean() > 180
+    line = (with_trail < 128).all(axis=2) & (alone > 250).all(axis=2)
+    assert line.sum() > 20
+
+
+def test_a_floor_has_a_shadow_and_corners_are_dark(tmp_path):
+    if probe.find_renderer() != "pyvista":
+        pytest.skip("this machine has no OpenGL library")
+    run_dir = write_run(tmp_path, sheet(frames=2))
+    (lit,) = draw(run_dir, text=0.0, output=tmp_path / "a.png")
+    (shaded,) = draw(run_dir, text=0.0, ground="floor", output=tmp_path / "b.png")
+    before, after = open_image(lit).astype(int), open_image(shaded).astype(int)
+    paper = (before > 250).all(axis=2)
+    shadow = paper & (after < 235).all(axis=2)
+    assert shadow.sum() > 500
+    # It is grey and soft: many tones between paper and the darkest.
+    assert np.ptp(after[shadow], axis=1).max() < 12
+    assert len(np.unique(after[shadow][:, 0])) > 20
+    robot = ~paper
+    assert (after[robot] <= before[robot] + 2).all()
+    assert after[robot].mean() < before[robot].mean()
+
+
+def test_several_processes_draw_one_film_and_report_progress(tmp_path, monkeypatch):
     monkeypatch.setattr(drawing, "_PREFERRED", "matplotlib")
     monkeypatch.setattr(drawing, "_MANY_FRAMES", 4)
     monkeypatch.setattr(drawing.os, "cpu_count", lambda: 2)
-    run_dir = write_run(tmp_path, cantilever(frames=6))
+    run_dir = write_run(tmp_path, cantilever(frames=11))
     calls = []
-    (file,) = movie.render(
-        run_dir, formats=["gif"], size=(161, 91), progress=lambda done, total: calls.append((done, total))
-    )
+    (file,) = draw(run_dir, formats=("gif",), progress=lambda done, total: calls.append((done, total)))
     assert file == run_dir / "render" / "iso.gif"
-    assert calls == [(done, 6) for done in range(1, 7)]
+    assert calls == [(done, 11) for done in range(1, 12)]
+    heights = []
     with Image.open(file) as picture:
-        assert picture.n_frames == 6
-        assert picture.size == (162, 92)
+        assert picture.n_frames == 11
+        assert picture.size == SIZE
         assert picture.info["duration"] == 100
+        for frame in range(11):
+            picture.seek(frame)
+            rows = np.nonzero(inked(np.asarray(picture.convert("RGB"))))[0]
+            heights.append(np.ptp(rows))
+    assert heights[-1] > heights[0]
+    # In order: it bends farther and farther.
+    assert (np.diff(heights[3:]) >= -1).all()
 
 
 def test_mp4_is_h264_that_every_player_shows(tmp_path):
     import imageio_ffmpeg
 
-    pictures = []
-    for number in range(6):
-        pictures.append(tmp_path / f"{number}.png")
-        Image.new("RGB", (162, 92), (40 * number, 80, 120)).save(pictures[-1])
     file = tmp_path / "video.mp4"
-    write_mp4(pictures, file, 25.0)
+    with mp4_file(file, (162, 92), 25.0) as take:
+        for number in range(6):
+            take(np.full((92, 162, 3), 40 * number, dtype=np.uint8))
     assert imageio_ffmpeg.count_frames_and_secs(str(file))[0] == 6
     video = imageio_ffmpeg.read_frames(str(file))
     about = next(video)
@@ -100,38 +163,57 @@ def test_mp4_is_h264_that_every_player_shows(tmp_path):
     assert about["fps"] == 25.0
     assert about["codec"] == "h264"
     assert about["pix_fmt"].startswith("yuv420p")
-    with pytest.raises(OutputError, match=r"nowhere.video\.mp4"):
-        write_mp4(pictures, tmp_path / "nowhere" / "video.mp4", 25.0)
+    nowhere = tmp_path / "nowhere" / "video.mp4"
+    with pytest.raises(OutputError, match=r"nowhere.video\.mp4"), mp4_file(nowhere, (162, 92), 25.0):
+        pass
 
 
-def test_outputs_go_where_they_are_told(tmp_path, monkeypatch):
-    def draw_nothing(jobs, progress):
-        for job in jobs:
-            for file in job.files:
-                Image.new("RGB", job.settings.size).save(file)
+@pytest.fixture
+def draw_nothing(monkeypatch):
+    def nothing(job):
+        return (np.zeros((*job.settings.size[::-1], 3), dtype=np.uint8) for _ in job.shots)
 
-    monkeypatch.setattr(drawing, "_PREFERRED", "matplotlib")
-    monkeypatch.setattr(drawing, "_draw_all", draw_nothing)
+    monkeypatch.setattr(drawing, "_draw_all", nothing)
+
+
+def test_outputs_go_where_they_are_told(tmp_path, draw_nothing):
     run_dir = write_run(tmp_path / "run", cantilever(frames=3))
     one = tmp_path / "one.png"
-    assert movie.render(run_dir, formats=["png"], size=SIZE, output=one) == [one]
+    assert draw(run_dir, output=one) == [one]
     folder = tmp_path / "stills"
-    several = movie.render(run_dir, formats=["png"], size=SIZE, output=folder, times=[0.0, 0.1])
+    several = draw(run_dir, output=folder, times=(0.0, 0.1))
     assert several == [folder / "iso-000000.png", folder / "iso-000001.png"]
     video = tmp_path / "deep" / "video.mp4"
-    assert movie.render(run_dir, size=SIZE, output=video) == [video]
+    assert draw(run_dir, formats=("mp4",), output=video) == [video]
     assert all(file.stat().st_size for file in [one, *several, video])
+    panels = Wanted(formats=("png",), times=(0.0, 0.1), layout="panels")
+    (figure,) = movie.render(run_dir, Settings(size=SIZE), panels).files
+    assert figure == run_dir / "render" / "iso-panels.png"
+    assert open_image(figure).shape == (SIZE[1], 2 * SIZE[0], 3)
+
+
+def test_a_failed_drawing_leaves_no_file(tmp_path, monkeypatch):
+    def fails(job):
+        yield np.zeros((*job.settings.size[::-1], 3), dtype=np.uint8)
+        raise RenderError("drawing ended")
+
+    monkeypatch.setattr(drawing, "_draw_all", fails)
+    run_dir = write_run(tmp_path / "run", cantilever(frames=3))
+    for format in ("mp4", "gif", "png"):
+        with pytest.raises(RenderError, match="drawing ended"):
+            draw(run_dir, formats=(format,), times=(0.0, 0.1))
+    assert not list((run_dir / "render").iterdir())
 
 
 def test_no_encoder_and_no_frames_are_told(tmp_path, monkeypatch):
     run_dir = write_run(tmp_path / "run", (cantilever()[0], []))
     with pytest.raises(RenderError, match="no frames"):
-        movie.render(run_dir, formats=["png"])
+        draw(run_dir)
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
     with pytest.raises(RenderError, match=r"pip install \"dismech\[video\]\""):
-        movie.render(run_dir, formats=["mp4"])
+        draw(run_dir, formats=("mp4",))
     with pytest.raises(OutputError, match="no such run"):
-        movie.render(tmp_path / "none", formats=["png"])
+        draw(tmp_path / "none")
 
 
 def test_scalars_are_plotted(tmp_path):

@@ -448,6 +448,25 @@ POSITIONS = Rare(
     ),
 )
 
+
+def is_what_moved(loaded: LoadedScenario, result: Report) -> None:
+    last = result.frames[-1]
+    assert_array_equal(last.fields["displacement"], last.positions - result.frames[0].positions)
+    assert np.abs(last.fields["displacement"]).max() > 0.0
+
+
+DISPLACEMENT = Rare(
+    rod_deck(
+        line(4),
+        forces=[{"type": "gravity", "acceleration": [0.0, 0.0, -9.81]}],
+        numerics=SHORT,
+        output={"fields": ["displacement"]},
+    ),
+    lambda made: None,
+    choices=frozenset({("fields", "displacement")}),
+    steps=is_what_moved,
+)
+
 RARE: dict[str, Rare] = {
     **LAWS,
     **BODIES,
@@ -459,6 +478,7 @@ RARE: dict[str, Rare] = {
     **{f"profile {name}": under(name) for name in ("draft", "normal", "accurate")},
     "first": FIRST,
     "positions": POSITIONS,
+    "displacement": DISPLACEMENT,
 }
 
 
@@ -483,6 +503,17 @@ class RarePicture:
 PICTURES = {
     "gif": RarePicture({"view": "yz", "video": "gif", "color_by": "velocity"}, "yz-velocity.gif"),
     "axial force": RarePicture({"color_by": "axial_force"}, "iso-axial_force-000002.png", {"still": True}),
+    "displacement": RarePicture(
+        {"color_by": "displacement", "background": "transparent", "layout": "panels"},
+        "iso-displacement-panels.png",
+        {"still": True, "times": [0.0, 0.01]},
+    ),
+    "stored ends": RarePicture(
+        {"background": "grey", "ground": "grid", "ends": "stored", "shading": "flat"},
+        "iso-curvature-000002.png",
+        {"still": True, "color_by": "curvature"},
+    ),
+    "dark": RarePicture({"background": "dark"}, "iso-000002.png", {"still": True}),
     "director": RarePicture({"color_by": "director"}, "iso-director-000002.png", {"still": True}),
 }
 

@@ -18,6 +18,7 @@ from ...run.observables.rod_fields import (
     CurvatureField,
     Curvatures,
     DirectorField,
+    DisplacementField,
     Field,
     MaterialCurvatures,
     MomentField,
@@ -26,7 +27,7 @@ from ...run.observables.rod_fields import (
     VelocityField,
 )
 from ...run.observables.shell_fields import AmongCells, AreaStrainField, BendingEnergyField
-from ...scenario.language.output import ShellField
+from ...scenario.language.render import ShellField
 from ..elastic.planar import PLANAR_AXIS
 from ..elastic.rods import RodEnergies
 from ..elastic.seams import SEAMS
@@ -77,6 +78,10 @@ def make_topology(
 
 def _velocity(scene: Scene, structure: Structure, rods: RodEnergies) -> Field:
     return VelocityField(len(scene.geometry.nodes))
+
+
+def _displacement(scene: Scene, structure: Structure, rods: RodEnergies) -> Field:
+    return DisplacementField(scene.geometry.nodes)
 
 
 def _curvature(scene: Scene, structure: Structure, rods: RodEnergies) -> Field:
@@ -179,6 +184,7 @@ def _shared(faces: IntArray, areas: FloatArray) -> Any:
 
 FIELDS: dict[str, Maker] = {
     "velocity": _velocity,
+    "displacement": _displacement,
     "curvature": _curvature,
     "twist": _twist,
     "axial_strain": _axial_strain,

@@ -12,6 +12,7 @@ from ...arrays import FloatArray, IntArray
 from ...kinematics.strains import curvature_binormal, material_curvatures
 from ...mesh.measure import edge_lengths
 from ...output.frame import FieldSpec
+from ...output.viewer import DISPLACEMENT
 from .corners import CornerStrains
 from .snapshot import Snapshot
 
@@ -53,6 +54,18 @@ class VelocityField:
     def __call__(self, s: Snapshot) -> FloatArray:
         """Values (N, 3)."""
         return s.velocities[: self.visible]
+
+
+@dataclass(frozen=True, slots=True)
+class DisplacementField:
+    """Displacement from the rest positions (N, 3)."""
+
+    rest: FloatArray
+    spec: FieldSpec = DISPLACEMENT
+
+    def __call__(self, s: Snapshot) -> FloatArray:
+        """Values (N, 3)."""
+        return s.positions[: len(self.rest)] - self.rest
 
 
 @dataclass(frozen=True, slots=True)

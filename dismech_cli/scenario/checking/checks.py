@@ -8,12 +8,12 @@ from typing import Final, get_args
 import numpy as np
 
 from ...laws.expression import VARIABLES, compile_expression
-from ...words import hint, listed
+from ...words import listed
 from ..language.force import Buoyancy, Gravity
 from ..language.motion import Clamp, Pin, Twist
 from ..language.numerics import Static
-from ..language.output import RodField, ShellField
 from ..language.probe import StabilityProbe
+from ..language.render import RodField, ShellField
 from ..language.scenario import Scenario
 from ..language.seam import Seam
 from ..text.tree import KeyPath
@@ -21,6 +21,7 @@ from ..values.law import PLACES, ExpressionLaw
 from ..views.walk import probes, walk
 from .finding import Finding
 from .names import name_findings
+from .pictures import picture_findings
 
 MAX_STEPS: Final = 10_000_000
 """Nominal time steps of a run: each takes a place in the time grid of the run."""
@@ -40,6 +41,7 @@ def findings(scenario: Scenario) -> Iterator[Finding]:
     yield from _materials(scenario)
     yield from _seams(scenario)
     yield from _output(scenario)
+    yield from picture_findings(scenario)
     yield from _expectations(scenario)
 
 
@@ -163,13 +165,6 @@ def _output(scenario: Scenario) -> Iterator[Finding]:
             yield ("output", "fields", i), f"{field!r} is a field of rods, but the scene has none"
         if field in get_args(ShellField) and not scenario.shells:
             yield ("output", "fields", i), f"{field!r} is a field of shells, but the scene has none"
-    colour = output.render.color_by
-    needed = "velocity" if colour == "speed" else colour
-    if colour != "none" and needed not in output.fields:
-        yield ("output", "render", "color_by"), f"needs {needed!r} in output.fields"
-    for i, name in enumerate(output.render.plots):
-        if name not in output.probes:
-            yield ("output", "render", "plots", i), f"no probe is named {name!r}{hint(name, output.probes)}"
     end = scenario.numerics.t_end
     if output.every is not None and end is not None and output.every > end:
         yield ("output", "every"), f"longer than the run of {end:g} s"

@@ -10,37 +10,10 @@ from pydantic import Field, Strict, field_validator
 from ..values.quantity import Name, PositiveTime
 from ..values.spec import Spec, problem
 from .probe import Probe
+from .render import ColorField, Render
 
-RodField: TypeAlias = Literal[
-    "curvature", "twist", "axial_strain", "axial_force", "bending_moment", "director"
-]
-ShellField: TypeAlias = Literal["area_strain", "bending_energy_density"]
-ColorField: TypeAlias = Literal["velocity", RodField, ShellField]
 FieldName: TypeAlias = Literal["positions", ColorField]
 WriterName: TypeAlias = Literal["hdf5", "vtu", "csv"]
-Pixels: TypeAlias = Annotated[int, Field(ge=16, le=8192)]
-
-
-class Render(Spec):
-    """Pictures and films made after the run."""
-
-    view: Literal["xy", "xz", "yz", "iso"] = Field(default="iso", description="Where the camera looks from.")
-    video: Literal["mp4", "gif", "none"] = Field(default="none", description="Film of the run.")
-    still: bool = Field(default=False, description="A picture of the last frame.")
-    color_by: Literal["none", "speed", ColorField] = Field(
-        default="none",
-        description="Field shown as colour; it must be among `fields` (`speed` needs velocity).",
-    )
-    size: Annotated[tuple[Pixels, ...], Len(2, 2), Strict(False)] = Field(
-        default=(1280, 720), description="Width and height in pixels."
-    )
-    fps: Annotated[int, Field(ge=1, le=240)] = Field(default=25, description="Frames per second of the film.")
-    camera: Literal["fixed", "tracking"] = Field(
-        default="fixed", description="`tracking` follows the robot; `fixed` frames the whole motion."
-    )
-    plots: Annotated[tuple[Name, ...], Strict(False)] = Field(
-        default=(), description="Names of probes drawn over time."
-    )
 
 
 class Output(Spec):

@@ -131,8 +131,8 @@ class NearestSelection(Spec):
 
 
 @dataclass(frozen=True, slots=True)
-class _TextToo:
-    """Tells editors that text is taken as well: the name of a group."""
+class TextToo:
+    """Tells editors that text is taken as well, which is short for a mapping."""
 
     def __get_pydantic_json_schema__(
         self, schema: CoreSchema, handler: GetJsonSchemaHandler
@@ -149,7 +149,7 @@ Selection: TypeAlias = Annotated[
     | Annotated[SphereSelection, Tag(tag("sphere"))]
     | Annotated[NearestSelection, Tag(tag("nearest"))],
     told_by_key("group", "nodes", "edges", "box", "plane", "sphere", "nearest", scalar=tag("group")),
-    _TextToo(),
+    TextToo(),
 ]
 """A selection as written; a field says with one of the marked ones below what it is for."""
 

@@ -1,0 +1,91 @@
+"""Draws the pictures of the README and of the gallery anew.
+
+    PYTHONPATH=. python docs/images/draw.py RUNS [NAME...]
+
+RUNS holds a run directory for each scene, by its name; scenes that are missing there are run first.
+"""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+from PIL import Image
+
+HERE = Path(__file__).resolve().parent
+SCENES = HERE.parents[1] / "scenarios"
+SIZE, TEXT = "800x450", "text=1.5"
+
+PICTURES: dict[str, list[str]] = {
+    "cantilever": [],
+    "cantilever_dynamic_1e5": ["--times", "0.085"],
+    "contortion": ["--set", "ghosts=[0]"],
+    "curling_strip": [],
+    "dlo_manipulation": ["--set", "ghosts=[0, 15, 30, 45]"],
+    "helix_lead_in": ["--times", "0.1"],
+    "helix_soft": ["--times", "0.1"],
+    "hemisphere_hang": [],
+    "jellyfish": ["--times", "0.6"],
+    "jellyfish_tentacles": ["--times", "1"],
+    "manta_ray": ["--times", "2"],
+    "paddle": [],
+    "parachute": ["--camera", "tracking"],
+    "plate": [],
+    "pneunet_loaded": [],
+    "pneunet_semi": ["--color-by", "curvature"],
+    "self_twisting_rod": [],
+    "shell_cantilever_hinge": [],
+    "shell_cantilever_midedge": [],
+    "sinking_arc": ["--set", "ghosts=[0, 0.25, 0.5, 0.75]"],
+    "snake": ["--color-by", "curvature"],
+    "snake_21": ["--color-by", "curvature"],
+    "strip_cantilever_51": [],
+}
+FRONT = {
+    "helix_soft": ["--times", "0.1"],
+    "pneunet_semi": ["--color-by", "curvature"],
+    "parachute": [],
+    "jellyfish_tentacles": ["--times", "1"],
+}
+
+
+def main() -> None:
+    """Draw what the command line names, else everything."""
+    runs, names = Path(sys.argv[1]), sys.argv[2:] or [*PICTURES, "readme"]
+    for name in names:
+        if name == "readme":
+            _front(runs)
+        else:
+            _draw(runs, name, PICTURES[name], HERE / f"{name}.png")
+
+
+def _draw(runs: Path, scene: str, options: list[str], file: Path) -> None:
+    run_dir = runs / scene
+    if not run_dir.exists():
+        _dismech("run", SCENES / f"{scene}.yaml", "-o", run_dir, "--no-render", "-q")
+    _dismech("render", run_dir, "--format", "png", "--size", SIZE, "--set", TEXT, *options, "-o", file, "-q")
+
+
+def _front(runs: Path) -> None:
+    """Four scenes in one picture."""
+    pictures = []
+    for scene, options in FRONT.items():
+        file = HERE / f"front-{scene}.png"
+        _draw(runs, scene, options, file)
+        with Image.open(file) as picture:
+            pictures.append(picture.convert("RGB"))
+        file.unlink()
+    width, height = pictures[0].size
+    front = Image.new("RGB", (2 * width, 2 * height))
+    for number, picture in enumerate(pictures):
+        front.paste(picture, (number % 2 * width, number // 2 * height))
+    front.save(HERE / "readme.png", optimize=True)
+
+
+def _dismech(*arguments: object) -> None:
+    subprocess.run([sys.executable, "-m", "dismech_cli", *map(str, arguments)], check=True)
+
+
+if __name__ == "__main__":
+    main()
