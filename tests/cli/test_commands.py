@@ -116,6 +116,13 @@ def test_exported_numbers_are_those_of_the_run(call, ran):
         assert file["positions"].shape == (6, 11, 3)
 
 
+def test_a_moving_body_is_exported(call, ran):
+    done = call("export", "out", "--to", "glb", "-o", "there")
+    assert done.code == 0, done.stderr
+    assert done.stdout == "there/run.glb\n"
+    assert (ran.parent / "there" / "run.glb").read_bytes().startswith(b"glTF")
+
+
 def test_render_makes_a_picture(call, ran, monkeypatch):
     import dismech_cli.render.drawing
 

@@ -14,6 +14,7 @@ SUMMARY = "Write the frames of a run in another format."
 EXAMPLES = """
 dismech export results/... --to vtu
 dismech export results/... --to npz -o frames
+dismech export results/... --to glb              one moving body for Blender, slides, web pages
 """
 
 
@@ -24,6 +25,7 @@ class Target(StrEnum):
     CSV = "csv"
     NPZ = "npz"
     OBJ = "obj"
+    GLB = "glb"
 
 
 def export(
@@ -38,10 +40,10 @@ def export(
     json: options.Json = False,
 ) -> int:
     """Entry point of the command."""
-    from ...output.export import export as write
     from ...output.jsonable import dumps
-    from ..console import emit
+    from ...session.exporting import export as write
+    from ..console import NORMAL, Console, emit
 
-    files = [str(file) for file in write(run_dir, to.value, output)]
+    files = [str(file) for file in write(run_dir, to.value, output, Console(NORMAL))]
     emit(dumps({"files": files}, indent=2) if json else "\n".join(files))
     return 0
