@@ -12,8 +12,8 @@ from .parts import Part
 
 _MESH_COLOR, _MESH_OPACITY = "#101820", 0.3
 _MATERIAL = {
-    "ambient": 0.34,
-    "diffuse": 0.72,
+    "ambient": 0.42,
+    "diffuse": 0.66,
     "specular": 0.22,
     "specular_power": 30.0,
 }

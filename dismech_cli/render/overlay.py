@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .coloring import INK, Scale
-from .scales import exponent, power_of_ten, ticks
+from .scales import exponent, power_of_ten, ticks, written
 from .settings import Image, Settings
 
 if TYPE_CHECKING:
@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 _PREFIXES = ((1e3, "km"), (1.0, "m"), (1e-3, "mm"), (1e-6, "µm"), (1e-9, "nm"))
 _SMALLEST_TEXT = 10  # pixel, below which nobody can read it
 _TEXT = 1 / 30  # of the height of the picture
-_NO_TICK = 1e-9
 
 
 class Labels:
@@ -91,20 +90,20 @@ class Labels:
         height, left, top = self._height, self._margin, 3.1 * self._height
         width = max(4, round(0.62 * height))
         long = min(round(10.5 * height), round(0.6 * rows))
-        values = np.linspace(scale.upper, scale.lower, long)
-        for row, color in enumerate(scale.colors(values).tolist()):
+        strip = scale.colors(np.linspace(scale.upper, scale.lower, long))
+        for row, color in enumerate(strip.tolist()):
             pen.line([(left, top + row), (left + width, top + row)], tuple(color), 1)
         power = exponent(scale)
         unit = 10.0**power
         label = scale.label if not power else _with_power(scale.label, power)
         small = font(0.85 * height)
         pen.text((left, top - 0.85 * height), label, self._ink, font(0.92 * height), anchor="ls")
-        for value in ticks(scale):
+        values = ticks(scale)
+        for value, shown in zip(values, written(values, power), strict=True):
             y = top + (scale.upper - value) / (scale.upper - scale.lower) * (long - 1)
             mark = [(left + width, y), (left + width + height / 4, y)]
             pen.line(mark, self._ink, max(1, round(height / 20)))
-            shown = 0.0 if abs(value) < _NO_TICK * (scale.upper - scale.lower) else value / unit
-            pen.text((left + width + 0.45 * height, y), f"{shown:.6g}", self._ink, small, anchor="lm")
+            pen.text((left + width + 0.45 * height, y), shown, self._ink, small, anchor="lm")
         beyond = [
             f"{word} {value / unit:.3g}"
             for word, value, out in (

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -81,6 +82,14 @@ def ticks(scale: Scale, most: int = 6) -> list[float]:
     step = next(power * s for s in (1.0, 2.0, 2.5, 5.0, 10.0, 20.0) if int(span / (power * s) + 1e-9) < most)
     first, last = np.ceil(scale.lower / step - 1e-9), np.floor(scale.upper / step + 1e-9)
     return [float(k * step) + 0.0 for k in np.arange(first, last + 1)]
+
+
+def written(values: Sequence[float], power: int) -> list[str]:
+    """Ticks as they are written, in units of a power of ten, all with the same number of decimals."""
+    shown = [value / 10.0**power for value in values]
+    step = shown[1] - shown[0]
+    decimals = next(d for d in range(12) if abs(round(step, d) - step) < 1e-6 * step)
+    return [f"{value:.{decimals}f}" for value in shown]
 
 
 def exponent(scale: Scale) -> int:

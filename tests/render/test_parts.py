@@ -23,7 +23,7 @@ from dismech_cli.render.movie import Wanted, render, time_decimals
 from dismech_cli.render.overlay import round_length
 from dismech_cli.render.panels import side_by_side
 from dismech_cli.render.parts import make_parts
-from dismech_cli.render.scales import exponent, make_scale, pretty, ticks
+from dismech_cli.render.scales import exponent, make_scale, pretty, ticks, written
 from dismech_cli.render.settings import Camera, Settings
 from dismech_cli.render.shell_solid import cells_to_nodes, make_shells
 from dismech_cli.render.timeline import Shot, film, shot_at, stills, stored
@@ -260,17 +260,18 @@ def test_zero_is_in_every_range(values, limits):
 
 
 @pytest.mark.parametrize(
-    ("upper", "shown", "power"),
+    ("upper", "shown", "power", "labels"),
     [
-        (5.56e-5, [0, 1e-5, 2e-5, 3e-5, 4e-5, 5e-5], -6),
-        (47.1, [0, 10, 20, 30, 40], 0),
-        (2.68, [0, 0.5, 1, 1.5, 2, 2.5], 0),
+        (5.56e-5, np.arange(6) * 1e-5, -6, ["0", "10", "20", "30", "40", "50"]),
+        (47.1, np.arange(5) * 10.0, 0, ["0", "10", "20", "30", "40"]),
+        (2.68, np.arange(6) * 0.5, 0, ["0.0", "0.5", "1.0", "1.5", "2.0", "2.5"]),
     ],
 )
-def test_ticks_are_round(upper, shown, power):
+def test_ticks_are_round(upper, shown, power, labels):
     scale = make_scale(SPEC, [np.array([0.0, upper])])
     assert_allclose(ticks(scale), shown, rtol=1e-12, atol=1e-20)
     assert exponent(scale) == power
+    assert written(ticks(scale), power) == labels
 
 
 def test_units_are_set():
