@@ -15,7 +15,7 @@ from ..output.frame import FieldSpec, Topology
 from ..output.read import Run
 from ..words import hint
 from .parts import Part
-from .settings import Background, Ends, Rgb
+from .settings import Background, Ends, Known, Rgb
 from .shell_solid import cells_to_nodes
 from .timeline import Frames, Shot
 
@@ -33,6 +33,7 @@ _BODY_COLORS = np.array(
 )
 _START, _END = (0x24, 0x2C, 0x38), (0xD6, 0x45, 0x2B)
 _NOT_FINITE = 160
+_UNKNOWN = 178
 _PALE = 0.72  # share of the background in a ghost
 
 PAPER: Mapping[Background, Rgb] = {
@@ -137,6 +138,7 @@ class Painter:
         scale: Scale | None,
         colors: Mapping[int, Rgb],
         ends: Ends,
+        known: Known = "all",
     ) -> None:
         """Prepare what is the same in all frames.
 
@@ -147,6 +149,7 @@ class Painter:
             scale: Its colours.
             colors: Of bodies, in place of the usual ones.
             ends: What ends of rods look like.
+            known: What the field is of.
         """
         self._topology = topology
         self._values = values
@@ -156,13 +159,16 @@ class Painter:
         for body, color in colors.items():
             bodies[body] = color
         self._ends = ends
+        self._known = known
         starts, stops, self._open, self._beside = find_ends(topology.edges)
         self._marks = ((starts, _START), (stops, _END)) if ends == "marked" else ()
 
     def colors(self, part: Part, shot: Shot) -> Colors:
         """Colours of the vertices of a part, shape (V, 3)."""
-        if part.color is not None:
-            return np.tile(np.array(part.color, dtype=np.uint8), (len(part.source), 1))
+        unknown = self._known == ("rods" if part.meshed else "shells")
+        own = part.color or ((_UNKNOWN,) * 3 if unknown and self._scale is not None else None)
+        if own is not None:
+            return np.tile(np.array(own, dtype=np.uint8), (len(part.source), 1))
         if self._scale is None:
             colors = self._bodies[part.body]
         else:

@@ -110,9 +110,19 @@ def _check_encoder(code: int, said: str, file: Path) -> None:
         raise RenderError(f"the encoder of mp4 failed: {reason[0]}; {_OTHERWISE}")
 
 
+def gif_rate(fps: float) -> float:
+    """The rate nearest to ``fps`` that a GIF can have.
+
+    The format counts in hundredths of a second, and viewers slow down below two.
+    """
+    return 100.0 / max(2, round(100 / fps))
+
+
 @contextmanager
 def gif_file(output: Path, size: tuple[int, int], fps: float) -> Iterator[Take]:
     """Encode RGB pictures as an endless GIF with one palette, so that colours do not flicker.
+
+    Its rate is one of :func:`gif_rate`.
 
     Raises:
         OutputError: If the file cannot be written.
@@ -133,8 +143,7 @@ def gif_file(output: Path, size: tuple[int, int], fps: float) -> Iterator[Take]:
         with Pillow.open(one) as picture:
             # Plain backgrounds stay plain: mixing colours from dots would make noise of them.
             images.append(picture.quantize(palette=palette, dither=Pillow.Dither.NONE))
-    # The format counts in hundredths of a second, and viewers slow down below two.
-    duration = 10 * max(2, round(100 / fps))
+    duration = round(1000 / fps)
     with staged(output) as temporary:
         images[0].save(temporary, save_all=True, append_images=images[1:], duration=duration, loop=0)
 

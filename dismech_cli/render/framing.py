@@ -10,7 +10,7 @@ import numpy as np
 from ..arrays import FloatArray
 from ..output.read import Run
 from .settings import Camera, Settings, View
-from .timeline import Shot
+from .timeline import Shot, shot_at
 
 # Room around the motion, as a share of its size.
 _MARGIN = 0.10
@@ -96,14 +96,15 @@ def view_basis(camera: Camera, target: FloatArray) -> FloatArray:
 
 
 def frame_motion(run: Run, settings: Settings, shots: Sequence[Shot]) -> Framing:
-    """Fit the camera to all frames of a run, and place it for every shot.
+    """Fit the camera to what is seen in some shots, and place it for each.
 
     Positions that are not finite, as a failed run may leave, are passed over.
     """
     camera, topology = settings.camera, run.topology
-    target = _target(run, camera)
+    frames = _frames(run, settings, shots)
+    target = _target(run, camera, frames)
     basis = view_basis(camera, target)
-    extent = _extent(run, basis, camera.follow)
+    extent = _extent(run, basis, camera.follow, frames)
     middles = _middles(extent, camera.follow)
     if camera.eye is not None or camera.target is not None:
         middles = basis @ target + middles - middles[0]
@@ -116,7 +117,7 @@ def frame_motion(run: Run, settings: Settings, shots: Sequence[Shot]) -> Framing
     centers = (middles + half_height * shift) @ basis
     return Framing(
         basis=basis,
-        centers=np.array([shot.between(list(centers)) for shot in shots]).reshape(-1, 3),
+        centers=np.array([shot.between(dict(zip(frames, centers, strict=True))) for shot in shots]),
         half_height=half_height,
         depth=float(np.linalg.norm(reach)),
         floor=extent.floor - thickest,
@@ -129,9 +130,9 @@ class _Extent:
     """What a run fills, along the axes of the picture.
 
     Attributes:
-        lower: Of each frame [m], shape (F, 3).
-        upper: Shape (F, 3).
-        followed: Middle of the nodes that are followed, shape (F, 3).
+        lower: Of each frame that is seen [m], shape (S, 3).
+        upper: Shape (S, 3).
+        followed: Middle of the nodes that are followed, shape (S, 3).
         floor: Lowest z in the world.
     """
 
@@ -141,10 +142,17 @@ class _Extent:
     floor: float
 
 
-def _extent(run: Run, basis: FloatArray, follow: tuple[int, ...] | None) -> _Extent:
-    lower, upper, followed = np.zeros((3, len(run), 3))
+def _frames(run: Run, settings: Settings, shots: Sequence[Shot]) -> list[int]:
+    """Frames that something of is seen, ascending; a trail shows those before it too."""
+    ghosts = [shot_at(run.t, t) for t in settings.ghosts]
+    seen = {frame for shot in (*shots, *ghosts) for frame in (shot.lower, shot.upper)}
+    return list(range(max(seen) + 1)) if settings.trails else sorted(seen)
+
+
+def _extent(run: Run, basis: FloatArray, follow: tuple[int, ...] | None, frames: Sequence[int]) -> _Extent:
+    lower, upper, followed = np.zeros((3, len(frames), 3))
     floor = np.inf
-    for frame, positions in enumerate(run.positions):
+    for frame, positions in enumerate(run.positions[number] for number in frames):
         nodes = np.array(follow, dtype=np.int64) if follow else np.arange(len(positions))
         finite = np.asarray(np.isfinite(positions).all(axis=1))
         if not finite[nodes].any():
@@ -159,20 +167,20 @@ def _extent(run: Run, basis: FloatArray, follow: tuple[int, ...] | None) -> _Ext
 
 
 def _middles(extent: _Extent, follow: tuple[int, ...] | None) -> FloatArray:
-    """What the camera looks at in each frame, along the axes of the picture; shape (F, 3)."""
+    """What the camera looks at in each frame, along the axes of the picture; shape (S, 3)."""
     if follow is None:
         middle = (extent.lower.min(axis=0) + extent.upper.max(axis=0)) / 2
         return np.tile(middle, (len(extent.lower), 1))
     return extent.followed if follow else (extent.lower + extent.upper) / 2
 
 
-def _target(run: Run, camera: Camera) -> FloatArray:
+def _target(run: Run, camera: Camera, frames: Sequence[int]) -> FloatArray:
     """What the camera looks at unless it follows: the middle of the motion, if an eye needs one [m]."""
     if camera.target is not None:
         return np.array(camera.target)
     if camera.eye is None:
         return np.zeros(3)
-    return np.asarray(_middles(_extent(run, np.eye(3), None), None)[0])
+    return np.asarray(_middles(_extent(run, np.eye(3), None, frames), None)[0])
 
 
 def _fit(reach: FloatArray, settings: Settings) -> tuple[float, FloatArray]:

@@ -69,7 +69,6 @@ class Job:
         scale: Its colours, or None.
         shots: In order.
         decimals: Digits of the time after the point.
-        speed: Of the film, which its labels tell where it is not 1.
     """
 
     run_dir: Path
@@ -80,7 +79,6 @@ class Job:
     scale: Scale | None
     shots: tuple[Shot, ...]
     decimals: int
-    speed: float
 
     def share(self, part: slice) -> Job:
         """The same for some of the shots."""
@@ -115,7 +113,6 @@ class Job:
             scale=None if content["scale"] is None else Scale(**content["scale"]),
             shots=tuple(Shot(**shot) for shot in content["shots"]),
             decimals=content["decimals"],
-            speed=content["speed"],
         )
 
 

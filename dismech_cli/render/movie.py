@@ -16,13 +16,13 @@ from ..output.read import read
 from ..output.run_directory import RENDER_FOLDER
 from .coloring import Field, stored_field
 from .drawing import draw
-from .encode import Take, gif_file, mp4_file, require_encoder, write_png
+from .encode import Take, gif_file, gif_rate, mp4_file, require_encoder, write_png
 from .framing import frame_motion
 from .job import Job
 from .panels import side_by_side
 from .scales import make_scale
 from .settings import Format, Image, Layout, Settings
-from .timeline import Shot, film, stills
+from .timeline import Film, Shot, film, stills
 
 Progress = Callable[[int, int], None]
 """Called with the number of pictures drawn and the number of all."""
@@ -93,13 +93,15 @@ def render(
         times = run.t
         if settings.color_by is not None and field is None:
             field = stored_field(run, settings.color_by)
-        movie = film(times, wanted.fps, wanted.speed)
-        shots = {
-            format: stills(times, wanted.times) if format == "png" else list(movie.shots)
+        films: dict[Format, Film] = {
+            format: film(times, rate_of(format, wanted.fps), wanted.speed)
             for format in wanted.formats
+            if format != "png"
         }
+        shots = {format: list(movie.shots) for format, movie in films.items()}
+        if "png" in wanted.formats:
+            shots["png"] = stills(times, wanted.times)
         order = sorted({*(shot for part in shots.values() for shot in part)}, key=lambda shot: shot.t)
-        filmed = any(format != "png" for format in wanted.formats)
         job = Job(
             run_dir=run_dir.resolve(),
             renderer="",
@@ -110,13 +112,13 @@ def render(
             if field is None
             else make_scale(field.spec, field.values(run), settings.limits, settings.colormap),
             shots=tuple(order),
-            decimals=time_decimals(np.array([shot.t for shot in order]) if filmed else times),
-            speed=movie.speed if filmed else 1.0,
+            decimals=time_decimals(np.array([shot.t for shot in order]) if films else times),
         )
-    drawn = Drawn(notes=list(movie.notes) if filmed else [])
+    drawn = Drawn(notes=list(dict.fromkeys(note for movie in films.values() for note in movie.notes)))
     with ExitStack() as open_files:
         takes: list[tuple[set[Shot], Take]] = []
-        for format, part in shots.items():
+        for format in wanted.formats:
+            part = shots[format]
             files = _output_files(run_dir, wanted, settings, format, part)
             with output_errors(files[0].parent, "create"):
                 files[0].parent.mkdir(parents=True, exist_ok=True)
@@ -130,6 +132,11 @@ def render(
             if progress is not None:
                 progress(number, len(order))
     return drawn
+
+
+def rate_of(format: Format, fps: float) -> float:
+    """Pictures per second of a film in this format."""
+    return gif_rate(fps) if format == "gif" else fps
 
 
 def _check(settings: Settings, wanted: Wanted) -> None:
@@ -147,7 +154,7 @@ def _opened(format: Format, files: list[Path], job: Job, wanted: Wanted) -> Abst
         case "mp4":
             return mp4_file(files[0], job.settings.size, wanted.fps)
         case "gif":
-            return gif_file(files[0], job.settings.size, wanted.fps)
+            return gif_file(files[0], job.settings.size, gif_rate(wanted.fps))
         case "png":
             return _stills(files, wanted.layout)
 

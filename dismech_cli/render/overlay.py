@@ -11,6 +11,7 @@ import numpy as np
 from .coloring import INK, Scale
 from .scales import exponent, power_of_ten, ticks, written
 from .settings import Image, Settings
+from .timeline import Shot
 
 if TYPE_CHECKING:
     from PIL.ImageDraw import ImageDraw
@@ -24,14 +25,13 @@ _TEXT = 1 / 30  # of the height of the picture
 class Labels:
     """What is written on the pictures of a run: all but the time is drawn once."""
 
-    def __init__(self, settings: Settings, pixel: float | None, scale: Scale | None, speed: float) -> None:
+    def __init__(self, settings: Settings, pixel: float | None, scale: Scale | None) -> None:
         """Draw it.
 
         Args:
             settings: What the pictures show.
             pixel: Width of a pixel [m], or None where it is not the same everywhere.
             scale: The colours of a field, or None.
-            speed: Of the film, told where it is not 1.
         """
         from PIL import Image as Pillow
         from PIL import ImageDraw
@@ -40,7 +40,6 @@ class Labels:
         self._height = max(settings.size[1] * _TEXT * settings.text, _SMALLEST_TEXT)
         self._none = settings.text == 0.0
         self._margin = 0.9 * self._height
-        self._speed = "" if speed == 1.0 else f"   (speed {speed:.4g})"
         self._still = Pillow.new("RGBA", settings.size, (*self._ink, 0))
         pen = ImageDraw.Draw(self._still)
         if not self._none and pixel is not None:
@@ -48,12 +47,12 @@ class Labels:
         if not self._none and scale is not None:
             self._color_bar(pen, scale, settings.size[1])
 
-    def write(self, image: Image, t: float, decimals: int) -> Image:
+    def write(self, image: Image, shot: Shot, decimals: int) -> Image:
         """The picture with its labels.
 
         Args:
             image: RGB or RGBA, shape (height, width, channels).
-            t: Time of the frame [s].
+            shot: What is shown.
             decimals: Digits of the time after the point, the same in all frames of a film.
         """
         from PIL import Image as Pillow
@@ -68,7 +67,8 @@ class Labels:
             picture.paste(self._still, mask=self._still.getchannel("A"))
         pen = ImageDraw.Draw(picture)
         foot = image.shape[0] - self._margin
-        text = f"t = {t:.{decimals}f} s{self._speed}"
+        speed = "" if shot.speed == 1.0 else f"   (speed {shot.speed:.4g})"
+        text = f"t = {shot.t:.{decimals}f} s{speed}"
         pen.text((self._margin, foot), text, self._ink, font(self._height), anchor="ls")
         return np.asarray(picture)
 

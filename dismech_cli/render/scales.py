@@ -95,7 +95,7 @@ def written(values: Sequence[float], power: int) -> list[str]:
 def exponent(scale: Scale) -> int:
     """Power of ten, a multiple of three, that ticks are written in; 0 where they are short without."""
     size = max(abs(scale.lower), abs(scale.upper))
-    if 1e-2 <= size < 1e5:
+    if 0.1 <= size < 1e5:
         return 0
     return int(np.floor(np.log10(size) / 3.0)) * 3
 

@@ -14,6 +14,7 @@ Format = Literal["mp4", "gif", "png"]
 Ground = Literal["none", "grid", "floor"]
 Background = Literal["white", "grey", "dark", "transparent"]
 Ends = Literal["extended", "stored", "marked"]
+Known = Literal["all", "rods", "shells"]
 Layout = Literal["separate", "panels"]
 Triple = tuple[float, float, float]
 Rgb = tuple[int, int, int]
@@ -49,6 +50,7 @@ class Settings:
     Attributes:
         camera: Where the eye is.
         color_by: Name of the field that colours the bodies; None gives each body its own colour.
+        known: What the field is of; the rest is grey.
         size: Width and height [pixel], both even, as video encoders want them.
         ground: ``grid`` draws lines at the lowest point of the motion, ``floor`` a shadow and in corners
             the light that does not get there.
@@ -66,6 +68,7 @@ class Settings:
 
     camera: Camera = field(default_factory=Camera)
     color_by: str | None = None
+    known: Known = "all"
     size: tuple[int, int] = (1280, 720)
     ground: Ground = "none"
     background: Background = "white"

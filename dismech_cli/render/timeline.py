@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
@@ -17,14 +17,18 @@ _STRETCHED = 4.0
 _NEAR = 1e-6
 
 
-class Frames(Protocol):
+class Some(Protocol):
+    """One array for some frames of a run."""
+
+    def __getitem__(self, frame: int, /) -> FloatArray:
+        """The array of a frame."""
+
+
+class Frames(Some, Protocol):
     """One array for each frame of a run."""
 
     def __len__(self) -> int:
         """Number of frames."""
-
-    def __getitem__(self, frame: int, /) -> FloatArray:
-        """The array of a frame."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,14 +40,16 @@ class Shot:
         lower: Number of the frame before.
         upper: Number of the frame after.
         weight: Share of the latter.
+        speed: Of the film, which its label tells where it is not 1.
     """
 
     t: float
     lower: int
     upper: int
     weight: float
+    speed: float = 1.0
 
-    def between(self, values: Frames) -> FloatArray:
+    def between(self, values: Some) -> FloatArray:
         """What the values of two frames are here."""
         lower = values[self.lower]
         if self.weight == 0.0:
@@ -107,9 +113,10 @@ def film(times: FloatArray, fps: float, speed: float | None) -> Film:
     chosen = _speed(duration) if speed is None else speed
     step = chosen / fps
     grid = times[0] + step * np.arange(int(duration / step * (1.0 + 1e-9)) + 1)
-    shots = [shot_at(times, float(t)) for t in grid]
-    if shots[-1] != stored(times, len(times) - 1):
-        shots.append(stored(times, len(times) - 1))
+    shots = [replace(shot_at(times, float(t)), speed=chosen) for t in grid]
+    last = replace(stored(times, len(times) - 1), speed=chosen)
+    if shots[-1] != last:
+        shots.append(last)
     return Film(tuple(shots), chosen, tuple(_notes(times, shots, step, chosen)))
 
 

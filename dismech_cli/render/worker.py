@@ -27,11 +27,11 @@ def work(job: Job) -> Iterator[Image]:
     """The pictures of a job, with labels."""
     settings, framing = job.settings, job.framing
     pixel = None if framing.angle else framing.pixel(settings.size)
-    labels = Labels(settings, pixel, job.scale, job.speed)
+    labels = Labels(settings, pixel, job.scale)
     with read(job.run_dir) as run:
         images = RENDERERS[job.renderer](_stage(job, run))
         for shot, image in zip(job.shots, images, strict=True):
-            yield labels.write(image, shot.t, job.decimals)
+            yield labels.write(image, shot, job.decimals)
 
 
 def _stage(job: Job, run: Run) -> Stage:
@@ -43,6 +43,7 @@ def _stage(job: Job, run: Run) -> Stage:
         job.scale,
         settings.colors,
         settings.ends,
+        settings.known,
     )
     return Stage(
         run=run,

@@ -6,22 +6,21 @@ import tempfile
 import time
 from dataclasses import dataclass
 from pathlib import Path
-from typing import get_args
 
-from ..errors import DismechError, ScenarioError
+from ..errors import DismechError
 from ..output.read import read
 from ..output.run_directory import LOG_FILE
 from ..render.movie import Drawn, Wanted, render
 from ..render.plot import plot_scalars
 from ..render.settings import Format
-from ..scenario.language.render import ColorField, Render
+from ..scenario.language.render import Render
 from ..scenario.load import LoadedScenario
-from ..words import hint, listed
+from ..words import listed
 from .computing import computed_field
 from .conduct import Record
 from .log import Logged
 from .narrator import Narrator
-from .picturing import asked_of, formats_of, settings_of
+from .picturing import asked_of, field_of, formats_of, settings_of
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -93,7 +92,7 @@ def draw(run_dir: Path, wishes: Wishes, narrator: Narrator) -> list[Path]:
         OutputError: The run cannot be read or a file cannot be written.
         RenderError: This machine cannot draw or encode.
     """
-    loaded = asked_of(run_dir, wishes.changes)
+    loaded = asked_of(run_dir, wishes.changes, wishes.color_by)
     asked = loaded.scenario.output.render
     files: list[Path] = []
     if formats := (wishes.format,) if wishes.format else formats_of(asked):
@@ -118,27 +117,10 @@ def _draw(
         layout=asked.layout,
         output=wishes.output,
     )
-    name = _field(wishes.color_by or asked.color_by)
+    name = field_of(asked.color_by)
     with tempfile.TemporaryDirectory(prefix="dismech-render-") as folder:
         with read(run_dir) as run:
             settings = settings_of(loaded, run.topology, name)
             missing = name is not None and name not in [spec.name for spec in run.topology.fields]
             field = computed_field(run, str(name), Path(folder) / "field.npy") if missing else None
         return render(run_dir, settings, wanted, field=field, progress=narrator.drawn)
-
-
-def _field(color_by: str) -> str | None:
-    """The field of a colour: a vector is shown by its length, so speed is that of the velocity.
-
-    Raises:
-        ScenarioError: There is no such field.
-    """
-    colors = {"none": None, "speed": "velocity", **{name: name for name in _names(ColorField)}}
-    if color_by not in colors:
-        raise ScenarioError(f"no field is called {color_by!r}{hint(color_by, colors)}: take {listed(colors)}")
-    return colors[color_by]
-
-
-def _names(choice: object) -> tuple[str, ...]:
-    """What may be chosen; Python flattens a choice of choices."""
-    return get_args(choice)

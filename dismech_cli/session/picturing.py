@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 
@@ -11,7 +12,7 @@ from ..errors import OutputError
 from ..output.frame import Topology
 from ..output.run_directory import SCENARIO_FILE
 from ..render.settings import Camera, Format, Rgb, Settings, Triple, View
-from ..scenario.language.render import WHOLE, Render
+from ..scenario.language.render import WHOLE, ColorField, Render, RodField, ShellField
 from ..scenario.language.render import Camera as CameraSpec
 from ..scenario.language.scenario import Scenario
 from ..scenario.load import LoadedScenario, load
@@ -19,17 +20,34 @@ from ..scenario.load import LoadedScenario, load
 _ANGLE = float(np.radians(30.0))
 
 
-def asked_of(run_dir: Path, changes: tuple[str, ...]) -> LoadedScenario:
-    """The scenario of a run with changes of ``output.render``, each ``KEY=VALUE``.
+def field_of(color_by: str) -> str | None:
+    """The field of a colour: a vector is shown by its length, so speed is that of the velocity."""
+    return {"none": None, "speed": "velocity"}.get(color_by, color_by)
+
+
+def asked_of(run_dir: Path, changes: tuple[str, ...] = (), color_by: str | None = None) -> LoadedScenario:
+    """The scenario of a run with other pictures.
+
+    Args:
+        run_dir: The run directory.
+        changes: Keys of ``output.render``, each ``KEY=VALUE``.
+        color_by: Another colour, whose field need not be among those of the run.
 
     Raises:
-        OutputError: If the run has none.
+        OutputError: If the run has no scenario.
         ScenarioError: If a change cannot be.
     """
     file = run_dir / SCENARIO_FILE
     if not file.is_file():
         raise OutputError(f"cannot draw {run_dir}: it has no {SCENARIO_FILE}")
-    return load(file, overrides=[f"output.render.{change}" for change in changes])
+    overrides = [f"output.render.{change}" for change in changes]
+    if color_by is not None:
+        overrides.append(f"output.render.color_by={color_by}")
+        fields = load(file).scenario.output.fields
+        missing = field_of(color_by) or "none"
+        if missing in get_args(ColorField) and missing not in fields:
+            overrides.append(f"output.fields=[{', '.join((*fields, missing))}]")
+    return load(file, overrides=overrides)
 
 
 def settings_of(loaded: LoadedScenario, topology: Topology, color_by: str | None) -> Settings:
@@ -45,6 +63,11 @@ def settings_of(loaded: LoadedScenario, topology: Topology, color_by: str | None
     return Settings(
         camera=_camera(loaded.scenario, topology),
         color_by=color_by,
+        known="rods"
+        if color_by in get_args(RodField)
+        else "shells"
+        if color_by in get_args(ShellField)
+        else "all",
         size=(width, height),
         ground=render.ground,
         background=render.background,

@@ -22,7 +22,7 @@ PICTURES: dict[str, list[str]] = {
     "cantilever_dynamic_1e5": ["--times", "0.085"],
     "contortion": ["--set", "ghosts=[0]"],
     "curling_strip": [],
-    "dlo_manipulation": ["--set", "ghosts=[0, 15, 30, 45]"],
+    "dlo_manipulation": ["--set", "ghosts=[0, 12.5, 13.75]"],
     "helix_lead_in": ["--times", "0.1"],
     "helix_soft": ["--times", "0.1"],
     "hemisphere_hang": [],

@@ -138,9 +138,10 @@ def test_render_makes_a_picture(call, ran, monkeypatch):
     [
         (("--size", "big"), "WIDTHxHEIGHT"),
         (("--format", "png", "--size", "1x1"), "at least 64"),
-        (("--color-by", "mood", "--format", "png"), "no field is called 'mood'"),
+        (("--color-by", "mood", "--format", "png"), "output.render.color_by: expected 'none', 'speed'"),
         (("--color-by", "area_strain", "--format", "png"), "is a field of shells"),
         (("-o", "x.png"), "needs --format"),
+        (("--times", "0", "--format", "gif"), "--times are of stills"),
         (("--view", "top"), "output.render.view: expected 'auto', 'xy'"),
         (("--speed", "-1"), "output.render.speed: must be greater than 0"),
         (("--times", "0, 2 kg"), "output.render.times[1]"),

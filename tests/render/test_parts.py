@@ -170,6 +170,25 @@ def test_the_whole_motion_is_in_the_picture(tmp_path, view, follow, color_by, an
         assert_allclose(framing.centers, np.broadcast_to(framing.centers[0], (4, 3)), rtol=1e-14)
 
 
+def test_a_still_frames_what_it_shows(tmp_path):
+    with read(write_run(tmp_path, cantilever(frames=5))) as run:
+        first, last = stored(run.t, 0), stored(run.t, 4)
+        look = Settings(camera=Camera(view="xz"), text=0.0)
+        heights = [
+            frame_motion(run, settings, shots).half_height
+            for settings, shots in (
+                (look, [first]),
+                (look, [first, last]),
+                (dataclasses.replace(look, ghosts=(0.4,)), [first]),
+                (dataclasses.replace(look, trails=(40,)), [last]),
+            )
+        ]
+    # A straight rod of 0.1 m fills the width of 16:9, with its radius and a margin of a tenth.
+    assert_allclose(heights[0], (0.05 + 1.5e-3) * 9 / 16 * 1.1, rtol=1e-6)
+    assert heights[1] > 1.05 * heights[0]
+    assert heights[1] == heights[2] == heights[3]
+
+
 def test_a_free_camera_stands_where_it_is_put(tmp_path):
     camera = Camera(eye=(3.0, 0.0, 0.0), target=(1.0, 0.0, 0.0), angle=np.pi / 2)
     with read(write_run(tmp_path, helix(frames=2))) as run:
@@ -307,6 +326,18 @@ def test_ends_have_the_colour_beside_them_unless_as_stored():
     assert (starts.tolist(), ends.tolist(), beside.tolist()) == ([0], [40], [1, 39])
 
 
+def test_what_a_field_does_not_know_is_grey():
+    topology = hybrid_topology()
+    values = np.concatenate((np.zeros(8), np.ones(128)))
+    field = Field(spec=dataclasses.replace(SPEC, location="cell"))
+    painter = Painter(topology, [values], field, make_scale(field.spec, [values]), {}, "extended", "shells")
+    (solid,) = make_shells(topology, 0.0)
+    chains = find_chains(topology.edges, topology.edge_radius, topology.edge_body)
+    tubes = make_tubes(chains, topology.rest_positions, 0.0, 8)
+    assert (painter.colors(tubes, Shot(0.0, 0, 0, 0.0)) == 178).all()
+    assert (painter.colors(solid, Shot(0.0, 0, 0, 0.0)).std(axis=1) > 20).all()
+
+
 def test_bodies_have_the_colours_asked_for():
     topology = hybrid_topology()
     painter = Painter(topology, [], None, None, {1: (1, 2, 3)}, "extended")
@@ -339,7 +370,6 @@ def test_a_job_survives_the_way_to_another_process(tmp_path):
         scale=Scale(label="s", lower=-1.0, upper=1 / 3, least=-2.0, largest=3.0, colormap="viridis"),
         shots=shots,
         decimals=2,
-        speed=0.1,
     )
     back = Job.from_json(job.to_json())
     for field in dataclasses.fields(Job):

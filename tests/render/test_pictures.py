@@ -168,6 +168,18 @@ def test_mp4_is_h264_that_every_player_shows(tmp_path):
         pass
 
 
+def test_a_gif_shows_the_times_that_its_rate_allows(tmp_path, draw_nothing):
+    run_dir = write_run(tmp_path / "run", cantilever(frames=11, dt=0.12))
+    for fps, duration in ((30.0, 30), (60.0, 20), (7.0, 140)):
+        wanted = Wanted(formats=("gif",), fps=fps, output=tmp_path / "a.gif")
+        movie.render(run_dir, Settings(size=SIZE), wanted)
+        with Image.open(tmp_path / "a.gif") as picture:
+            assert picture.info["duration"] in (duration, duration * picture.n_frames)
+    # 1.2 s in steps of what a GIF can count.
+    assert [1000 / movie.rate_of("gif", fps) for fps in (30.0, 60.0, 7.0)] == [30.0, 20.0, 140.0]
+    assert movie.rate_of("mp4", 30.0) == 30.0
+
+
 @pytest.fixture
 def draw_nothing(monkeypatch):
     def nothing(job):

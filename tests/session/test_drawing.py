@@ -134,7 +134,7 @@ def test_wishes_go_before_the_scenario(tmp_path: Path, jobs) -> None:
     assert job.settings.camera.view == "xz"
     draw(run_dir, Wishes(format="gif"), heard)
     # 0.1 s is too short to see: a round speed makes some four seconds of it.
-    assert jobs[1].speed == 0.02
+    assert {shot.speed for shot in jobs[1].shots} == {0.02}
     assert any("50 times slower" in line for line in heard.lines)  # type: ignore[attr-defined]
 
 

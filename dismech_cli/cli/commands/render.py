@@ -71,6 +71,8 @@ def render(
     """Entry point of the command."""
     if output is not None and format is None and times is None:
         raise typer.BadParameter("needs --format or --times", param_hint="-o")
+    if times is not None and format not in (None, Format.PNG):
+        raise typer.BadParameter("--times are of stills: choose --format png", param_hint="--times")
     from ...output.jsonable import dumps
     from ...session.drawing import Wishes, draw
     from ..console import Console, emit

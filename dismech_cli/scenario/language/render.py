@@ -30,7 +30,7 @@ _NAMED: dict[str, dict[str, str]] = {"fixed": {}, "tracking": {"follow": WHOLE}}
 
 
 class Camera(Spec):
-    """Where the eye is; `fixed` is short for a camera that frames the whole motion, `tracking` for one that
+    """Where the eye is; `fixed` is short for a camera that frames all that is shown, `tracking` for one that
     follows the robot."""  # noqa: D205, D209
 
     from_: LengthTriple | None = Field(
@@ -119,7 +119,7 @@ class Render(Spec):
         " to films of some 4 s, runs over 120 s hastened, and the film says so.",
     )
     camera: Annotated[Camera, TextToo()] = Field(
-        default=Camera(), description="`fixed` frames the whole motion, `tracking` follows the robot."
+        default=Camera(), description="`fixed` frames all that is shown, `tracking` follows the robot."
     )
     ground: Literal["none", "grid", "floor"] = Field(
         default="none",
