@@ -15,7 +15,6 @@ from ..render.plot import plot_scalars
 from ..render.settings import Format
 from ..scenario.language.render import Render
 from ..scenario.load import LoadedScenario
-from ..words import listed
 from .computing import computed_field
 from .conduct import Record
 from .log import Logged
@@ -65,7 +64,7 @@ def draw_asked(record: Record, asked: Render, narrator: Narrator) -> Finished:
     if record.manifest.status != "done" or not parts:
         return Finished(record)
     logged = Logged(narrator, record.run_dir / LOG_FILE)
-    logged.say(f"rendering {listed(parts)}")
+    logged.say(f"rendering {', '.join(parts)}")
     tick = time.perf_counter()
     try:
         pictures = draw(record.run_dir, Wishes(), logged)
