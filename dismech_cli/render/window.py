@@ -104,14 +104,13 @@ class Window:
 
     def _filled(self, whole: NDArray[np.uint8], axis: int) -> slice:
         """Rows or columns that are not empty, in whole pixels of the picture."""
-        alpha = whole[..., 3]
-        size = alpha.shape[axis]
-        # a line thinner than the look at every other pixel is still two pixels wide
-        filled = np.flatnonzero(alpha.any(axis=1 - axis))
+        # what is drawn is wider than the pixels that are passed over
+        filled = np.flatnonzero(whole[::2, ::2, 3].any(axis=1 - axis))
         if not len(filled):
             return slice(0, _COARSE)
-        low, high = int(filled[0]), int(filled[-1]) + 1
-        return slice(low // _COARSE * _COARSE, min(-(-high // _COARSE) * _COARSE, size))
+        low, high = 2 * int(filled[0]) - 2, 2 * int(filled[-1]) + 3
+        last = whole.shape[axis]
+        return slice(max(low, 0) // _COARSE * _COARSE, min(-(-high // _COARSE) * _COARSE, last))
 
     def depths(self, where: tuple[slice, slice], stride: int) -> FloatArray:
         """Distances from the plane of the eye in a part of the picture, infinite where nothing is drawn.
