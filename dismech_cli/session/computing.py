@@ -47,7 +47,7 @@ def _values(run: Run, simulation: Simulation, observable: Observable, name: str)
     """Values of each frame, shape (F, ...)."""
     model = simulation.model
     stepper = Stepper(model, simulation.integrator, simulation.newton, simulation.linear_solver)
-    account = EnergyAccount(model, simulation.roles, simulation.initial_velocity)
+    account = EnergyAccount(model, simulation.roles, simulation.start)
     observer = Observer(simulation, stepper, account, lambda singular: None)
     turned = _unknown(model.frames.rest(model.rest))
     q, v, times = run.state("q"), run.state("v"), run.t
