@@ -28,11 +28,12 @@ PICTURES: dict[str, list[str]] = {
     "hemisphere_hang": [],
     "jellyfish": ["--times", "0.6"],
     "jellyfish_tentacles": ["--times", "1"],
+    "kirigami": [],
     "manta_ray": ["--times", "2"],
     "paddle": [],
     "parachute": ["--camera", "tracking"],
     "plate": [],
-    "pneunet_loaded": [],
+    "pneunet_loaded": ["--color-by", "none"],
     "pneunet_semi": ["--color-by", "curvature"],
     "self_twisting_rod": [],
     "shell_cantilever_hinge": [],
@@ -41,6 +42,7 @@ PICTURES: dict[str, list[str]] = {
     "snake": ["--color-by", "curvature"],
     "snake_21": ["--color-by", "curvature"],
     "strip_cantilever_51": [],
+    "t_fin": [],
 }
 FRONT = {
     "helix_soft": ["--times", "0.1"],
