@@ -124,7 +124,8 @@ def _settings(content: dict[str, Any]) -> Settings:
     """Lists were tuples, and keys numbers."""
     colors = {int(body): tuple(color) for body, color in content.pop("colors").items()}
     camera = Camera(**_tuples(content.pop("camera")))
-    return Settings(camera=camera, colors=colors, **_tuples(content))
+    joints = tuple((node, bends) for node, bends in content.pop("joints"))
+    return Settings(camera=camera, colors=colors, joints=joints, **_tuples(content))
 
 
 def _tuples(content: dict[str, Any]) -> dict[str, Any]:

@@ -11,6 +11,7 @@ from ..arrays import FloatArray
 from .coloring import INK, PAPER, Colors, paled
 from .ground import grid_lines
 from .job import Stage
+from .joint_marks import joint_marks
 from .parts import Part, make_bodies, make_parts
 from .settings import Image, Settings
 from .timeline import Shot
@@ -26,7 +27,8 @@ Triangles = tuple[FloatArray, FloatArray, FloatArray]
 def draw(stage: Stage) -> Iterator[Image]:
     """Yield one picture per shot; see :class:`.job.Renderer`."""
     settings, least = stage.settings, stage.framing.least_radius(stage.settings.size)
-    parts = make_parts(stage.run, least, _SIDES)
+    marks = joint_marks(stage.run, settings, least, _SIDES)
+    parts = [*make_parts(stage.run, least, _SIDES), *marks]
     bodies = make_bodies(stage.run, least, _SIDES) if stage.ghosts else []
     for number, shot in enumerate(stage.shots):
         shown = [_seen(stage, part, shot, number, stage.painter.colors(part, shot)) for part in parts]

@@ -12,6 +12,7 @@ from .coloring import INK, PAPER, paled
 from .floor import Floor
 from .ground import grid_lines
 from .job import Stage
+from .joint_marks import joint_marks
 from .occlusion import darken, openness
 from .parts import Part, make_bodies, make_parts
 from .settings import Image, Settings
@@ -54,7 +55,8 @@ class _Scene:
         least = framing.least_radius(settings.size)
         if settings.ground == "grid" or (settings.ground == "floor" and abs(framing.basis[2, 2]) < _EDGE_ON):
             self._add_grid()
-        self._actors = [self._actor(part) for part in make_parts(stage.run, least, _SIDES)]
+        marks = joint_marks(stage.run, settings, least, _SIDES)
+        self._actors = [self._actor(part) for part in (*make_parts(stage.run, least, _SIDES), *marks)]
         self._ghosts = [self._ghost(shot, make_bodies(stage.run, least, _SIDES)) for shot in stage.ghosts]
         self._trails = None
         if settings.trails:

@@ -62,6 +62,7 @@ class Settings:
         text: Size of the labels, 1 for the usual; 0 writes none.
         ghosts: Times of earlier shapes that stay, pale [s].
         trails: Nodes that leave a line.
+        joints: Nodes of joints that have a mark, and whether bending passes there.
         colormap: Name of a map of Matplotlib; None is the usual.
         limits: Values of the first and last colour; None is the range of the run.
     """
@@ -79,5 +80,6 @@ class Settings:
     text: float = 1.0
     ghosts: tuple[float, ...] = ()
     trails: tuple[int, ...] = ()
+    joints: tuple[tuple[int, bool], ...] = ()
     colormap: str | None = None
     limits: tuple[float, float] | None = None

@@ -78,6 +78,7 @@ def settings_of(loaded: LoadedScenario, topology: Topology, color_by: str | None
         text=render.text,
         ghosts=render.ghosts,
         trails=_trails(loaded, render),
+        joints=_joints(loaded, render),
         limits=None if render.range is None else (render.range[0], render.range[1]),
     )
 
@@ -132,3 +133,13 @@ def _trails(loaded: LoadedScenario, render: Render) -> tuple[int, ...]:
     places = make_scene(loaded).places
     found = [places.nodes(("output", "render", "trails", i)) for i in range(len(render.trails))]
     return tuple(np.unique(np.concatenate(found)).tolist())
+
+
+def _joints(loaded: LoadedScenario, render: Render) -> tuple[tuple[int, bool], ...]:
+    """Nodes of joints, and whether bending passes there between any of their bodies."""
+    if render.joints == "hidden":
+        return ()
+    bends: dict[int, bool] = {}
+    for one in make_scene(loaded).geometry.joined:
+        bends[one.node] = bends.get(one.node, False) or "bending" in one.passes
+    return tuple(sorted(bends.items()))

@@ -135,6 +135,10 @@ class Render(Spec):
     mesh: Literal["hidden", "shown"] = Field(
         default="hidden", description="Edges of the triangles of shells."
     )
+    joints: Literal["hidden", "shown"] = Field(
+        default="hidden",
+        description="Balls where bodies are joined: dark where bending passes, pale at hinges.",
+    )
     ghosts: Annotated[tuple[Time, ...], Len(0, 50), Strict(False)] = Field(
         default=(), description="Times of earlier shapes that stay in the picture, pale."
     )
