@@ -3,26 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..model.model import Model
 from ..model.term import Term
-from ..run.observe import scalar_columns
+from ..run.observe import LOAD_COLUMNS, scalar_columns
 from ..run.roles import Roles
 from ..run.simulation import Simulation
 from ..scenario.load import LoadedScenario
 from .bodies.geometry import Geometry
 from .elastic.elastic import Elastic, make_elastic
+from .imperfection import NO_DEVIATION, Deviation, find_deviation
 from .initial.signature import signature
 from .initial.start import make_start
 from .loads.table import Forces, make_forces
-from .numerics import build_integrator, build_newton, check_linear_solver, times
+from .numerics import build_integrator, build_newton, check_linear_solver, follows_path, times
 from .observables.fields import make_fields, make_topology
 from .observables.labels import node_labels
 from .observables.probes import make_probes, make_watched
 from .observables.validity import make_checks
+from .path import make_advance
 from .scene import Scene, make_scene
 from .sizes import refuse_oversized
 from .structure.holds import drives, resolve_holds
@@ -64,10 +66,13 @@ def compose(
     Raises:
         ScenarioError: The scenario cannot be composed; the message points to the key.
     """
-    scene = make_scene(loaded)
-    refuse_oversized(loaded, scene.geometry)
+    perfect = make_scene(loaded)
+    refuse_oversized(loaded, perfect.geometry)
+    deviation = _deviation(perfect)
+    scene = deviation.made(perfect)
     holds = resolve_holds(scene)
     plan = make_plan(scene, holds, kernels)
+    plan = replace(plan, decisions=(*plan.decisions, *deviation.told))
     planned(plan)
     check_linear_solver(loaded)
     structure = make_structure(scene, holds, plan)
@@ -76,6 +81,7 @@ def compose(
     roles = _roles(elastic, forces)
     probes = make_probes(scene, structure)
     fields = make_fields(scene, structure, elastic.rods)
+    columns = scalar_columns(roles, probes, LOAD_COLUMNS if follows_path(loaded) else {})
     numerics, (control, every) = loaded.scenario.numerics, times(loaded)
     model = _model(scene, structure, (*elastic.terms, *forces.all))
     start = make_start(scene, structure, model.motions)
@@ -87,9 +93,10 @@ def compose(
         newton=build_newton(numerics, driven=any(map(drives, holds))),
         linear_solver=numerics.linear_solver,
         control=control,
+        advance=make_advance(scene, structure, model),
         frame_every=every,
-        start=start.state,
-        topology=make_topology(scene, structure, fields, scalar_columns(roles, probes)),
+        start=deviation.pushed(start.state, structure.dofs, structure.frames),
+        topology=make_topology(scene, structure, fields, columns),
         fields=fields,
         probes=probes,
         watched=make_watched(scene, structure),
@@ -98,6 +105,18 @@ def compose(
         structure=signature(scene.geometry, structure),
     )
     return Composition(simulation, plan, scene.geometry, start.kept)
+
+
+def _deviation(perfect: Scene) -> Deviation:
+    """What the imperfection of the scenario asks for: modes of the scene without it, and without loads."""
+    spec = perfect.scenario.imperfection
+    if spec is None:
+        return NO_DEVIATION
+    holds = resolve_holds(perfect)
+    structure = make_structure(perfect, holds, make_plan(perfect, holds, "numpy"))
+    model = _model(perfect, structure, make_elastic(perfect, structure).terms)
+    mass = mass_matrix(perfect.geometry, structure.dofs, structure.payload)
+    return find_deviation(spec, perfect, model, mass)
 
 
 def _model(scene: Scene, structure: Structure, terms: tuple[Term, ...]) -> Model:

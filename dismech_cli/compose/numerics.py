@@ -6,6 +6,8 @@ from ..kernels.driver import Driver
 from ..kernels.numba_driver import NumbaDriver
 from ..kernels.numpy_driver import NumpyDriver
 from ..run.clock import Clock, time_grid
+from ..run.path_control import PathControl
+from ..run.step_control import StepControl
 from ..scenario.language import numerics
 from ..scenario.load import LoadedScenario
 from ..solve import integrators
@@ -61,6 +63,12 @@ def build_newton(spec: numerics.Numerics, *, driven: bool) -> NewtonSettings:
     )
 
 
+def follows_path(loaded: LoadedScenario) -> bool:
+    """Whether the load factor is an unknown."""
+    integrator = loaded.scenario.numerics.integrator
+    return isinstance(integrator, numerics.Static) and integrator.path is not None
+
+
 def build_driver(name: str) -> Driver:
     """What runs the kernels."""
     return DRIVERS[name]()
@@ -79,13 +87,17 @@ def check_linear_solver(loaded: LoadedScenario) -> None:
         )
 
 
-def times(loaded: LoadedScenario) -> tuple[Clock, float]:
+def times(loaded: LoadedScenario) -> tuple[StepControl, float]:
     """What decides how far steps go, and the time between frames [s]."""
     scenario = loaded.scenario
     every, integrator = scenario.output.every, scenario.numerics.integrator
     cuts = scenario.numerics.step.max_cuts
     if isinstance(integrator, numerics.Static):
-        return Clock(time_grid(1.0 / integrator.load_steps, 1.0), cuts), every or 0.0
+        if integrator.path is not None:
+            path = integrator.path
+            first = min(path.first, path.largest)
+            return PathControl(first, path.largest, path.steps, cuts), every or 0.0
+        return Clock(time_grid(1.0 / integrator.steps, 1.0), cuts), every or 0.0
     dt, t_end = scenario.numerics.dt, scenario.numerics.t_end
     assert dt is not None
     assert t_end is not None

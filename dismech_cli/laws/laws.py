@@ -57,6 +57,27 @@ class Constant:
         return _spread(self.level, s)
 
 
+@dataclass(frozen=True, slots=True)
+class Proportional:
+    """``slope`` times t, without an end.
+
+    Attributes:
+        slope: The value at t = 1.
+    """
+
+    slope: float
+    value = _without_inputs
+
+    @property
+    def constant(self) -> bool:
+        """True if it stays zero."""
+        return self.slope == 0.0
+
+    def __call__(self, t: float, s: Value = 0.0) -> Value:
+        """The value."""
+        return _spread(self.slope * t, s)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Table:
     """Values at given times, held before the first and after the last.

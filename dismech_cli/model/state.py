@@ -23,6 +23,7 @@ class State:
         frames: Reference frames stored at ``q``.
         inputs: What controllers put in, held until the next step begins, shape (K,).
         memory: What else the next step depends on, by name.
+        load: Load factor, where it is not the time: on a path of equilibria, whose time is its length.
     """
 
     t: float
@@ -32,6 +33,12 @@ class State:
     frames: FrameState
     inputs: FloatArray = field(default_factory=no_inputs)
     memory: Mapping[str, FloatArray] = field(default_factory=dict)
+    load: float | None = None
+
+    @property
+    def law_time(self) -> float:
+        """Time [s] or load factor at which laws are taken."""
+        return self.t if self.load is None else self.load
 
     def arrays(self) -> Arrays:
         """All but the time."""
@@ -40,8 +47,8 @@ class State:
         return {"q": self.q, "v": self.v, "a": self.a, "inputs": self.inputs} | frames | memory
 
     def numbers(self) -> Numbers:
-        """The time."""
-        return {"t": self.t}
+        """The time, and the load factor where it is another."""
+        return {"t": self.t} | ({} if self.load is None else {"load": self.load})
 
     def restore(self, arrays: Arrays, numbers: Numbers) -> State:
         """The state that was saved."""
@@ -54,4 +61,5 @@ class State:
             FrameState(**{f.name: frames[f.name] for f in fields(FrameState)}),
             arrays["inputs"],
             within("memory", arrays),
+            float(numbers["load"]) if "load" in numbers else None,
         )

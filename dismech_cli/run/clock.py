@@ -8,6 +8,7 @@ fractions; two successes at one level bring back the level above.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import ClassVar
 
 import numpy as np
 
@@ -49,6 +50,7 @@ class Clock:
     index: int = 0
     part: int = 0
     level: int = 0
+    doubt: ClassVar[str] = ""
 
     @property
     def t_end(self) -> float:

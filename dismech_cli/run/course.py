@@ -18,11 +18,22 @@ from .observe import Observer, Singular
 from .simulation import Simulation
 from .sink import Progress, Sink
 from .step_control import StepControl
+from .symmetry import Symmetry
 from .tally import Counters, Stopwatch
 from .validity import Validity
 from .watched import Watched
 
-_PARTS = ("state", "control", "counters", "stopwatch", "account", "watched", "validity", "framing")
+_PARTS = (
+    "state",
+    "control",
+    "counters",
+    "stopwatch",
+    "account",
+    "watched",
+    "validity",
+    "symmetry",
+    "framing",
+)
 
 
 @dataclass(slots=True)
@@ -40,6 +51,7 @@ class Course:
         account: Energies and work.
         watched: Probes read after every step.
         validity: What passed the limits of the models.
+        symmetry: What nothing disturbs.
         framing: Frames written.
         singular: Where eigenvalues could not be counted: the first state, if any.
     """
@@ -54,6 +66,7 @@ class Course:
     account: EnergyAccount
     watched: Watched
     validity: Validity
+    symmetry: Symmetry
     framing: Framing
     singular: list[Singular]
 
@@ -61,7 +74,11 @@ class Course:
     def of(cls, simulation: Simulation, sink: Sink) -> Course:
         """Stand before the start of a run."""
         stepper = Stepper(
-            simulation.model, simulation.integrator, simulation.newton, simulation.linear_solver
+            simulation.model,
+            simulation.integrator,
+            simulation.newton,
+            simulation.linear_solver,
+            simulation.advance,
         )
         account = EnergyAccount(simulation.model, simulation.roles, simulation.start)
         account.bind(stepper.system, 0.0)
@@ -80,6 +97,7 @@ class Course:
             account=account,
             watched=watched,
             validity=validity,
+            symmetry=Symmetry(stepper),
             framing=Framing(simulation.frame_every, observer, watched, validity, sink, stopwatch),
             singular=singular,
         )
@@ -139,7 +157,7 @@ class Course:
             return result
         if (lost := _lost(result.state)) >= 0:
             return replace(result, state=self.state, status=Status.NOT_FINITE, worst=lost)
-        if result.state.t == target:
+        if result.state.t == target or result.arrived:
             return result
         # the integrator adds dt, which may round
         return replace(result, state=replace(result.state, t=target))
@@ -162,6 +180,9 @@ class Course:
         self.state = result.state
         self.control = self.control.accepted(result)
         self.counters.steps += 1
+        tick = time.perf_counter()
+        self.symmetry.look(self.state, self.control.t_end)
+        self.stopwatch.book("observe", tick)
         return self._show(result, dt)
 
     def report(self, dt: float) -> None:

@@ -11,9 +11,10 @@ import numpy as np
 
 from ..solve.integrators import INTEGRATORS, Integrator, Static
 from ..solve.status import Status
-from ..solve.step import StepResult
+from ..solve.step import StepResult, through_stages
 from .observables.snapshot import Snapshot
 from .simulation import Simulation
+from .symmetry import Found
 
 Attempt: TypeAlias = tuple[float, float, StepResult]
 """Start and end of a step [s], and what came of it."""
@@ -35,22 +36,27 @@ class Failure:
 # Where the time of a run is the share of its loads, steps are load steps.
 _STATIC_ADVICE: Mapping[Status, str] = {
     Status.MAX_ITERATIONS: (
-        "the next equilibrium is far away: raise integrator.load_steps or numerics.newton.max_iterations; "
-        "thin shells and slack strings settle in a dynamic run with implicit_euler and damping instead"
+        "the next equilibrium is far away: raise integrator.load_steps or numerics.newton.max_iterations"
     ),
     Status.NOT_FINITE: "an edge folded back on itself or collapsed: raise integrator.load_steps",
     Status.LINE_SEARCH_FAILED: (
-        "no step lowers the energy: the load is near a fold or snap-through; pass it dynamically"
+        "no step lowers the energy: the load is near a fold or snap-through; integrator.path follows the "
+        "equilibria through it"
     ),
 }
 _STATIC_CUT_ADVICE: Mapping[Status, str] = {
-    Status.MAX_ITERATIONS: (
-        "the next equilibrium is far away: set numerics.newton.projection=indefinite or raise "
-        "numerics.newton.max_iterations; thin shells and slack strings settle in a dynamic run with "
-        "implicit_euler and damping instead"
+    Status.TURNED: (
+        "the path of equilibria has a corner or ends here: look at what locks, folds or comes to touch"
     ),
+    Status.BRANCHED: (
+        "another branch leaves the path at once: give the robot a small imperfection, which chooses one"
+    ),
+    Status.MAX_ITERATIONS: "the next equilibrium is far away: raise numerics.newton.max_iterations",
     Status.LINE_SEARCH_FAILED: _STATIC_ADVICE[Status.LINE_SEARCH_FAILED],
 }
+# Failures of Newton's method that damped motion to rest does not share, and how to ask for it.
+_RELAXED_AWAY = (Status.MAX_ITERATIONS, Status.LINE_SEARCH_FAILED)
+_RELAX = "numerics.integrator.method=relax"
 # Where shorter steps have been tried already.
 _CUT_ADVICE: Mapping[Status, str] = {
     Status.MAX_ITERATIONS: "look at what is crushed, very stiff or thin there, or apply loads more slowly",
@@ -94,13 +100,14 @@ def describe_failure(simulation: Simulation, last: Sequence[Attempt], *, cut: bo
         **(_CUT_ADVICE if cut else {}),
         **((_STATIC_CUT_ADVICE if cut else _STATIC_ADVICE) if static else {}),
     }
-    lines.append(f"  advice: {own.get(result.status, result.status.advice)}")
-    if static:
-        remedy = ""
-    elif cut:
-        remedy = _stronger(simulation)
-    else:
-        remedy = _shorter(t - start)
+    remedy = ""
+    advice = own.get(result.status, result.status.advice)
+    if static and result.status in _RELAXED_AWAY and simulation.advance is through_stages:
+        advice += "; or let the robot move to rest, which nets, thin shells and slack strings need: " + _RELAX
+        remedy = _RELAX
+    lines.append(f"  advice: {advice}")
+    if not static:
+        remedy = _stronger(simulation) if cut else _shorter(t - start)
     return Failure("\n".join(lines), remedy)
 
 
@@ -146,8 +153,25 @@ def describe_infinite(simulation: Simulation, shown: Snapshot, dt: float) -> Fai
 
 UNSTABLE = (
     "the last equilibrium is unstable: the least disturbance makes the robot buckle or snap away from it; "
-    "--set numerics.newton.projection=indefinite goes on to a stable one, and a small force aside says which"
+    "numerics.newton.projection=indefinite goes on to a stable one, where a small force aside or an "
+    "imperfection says which"
 )
+
+
+UNSTABLE_ON_PATH = (
+    "the path ends in an unstable equilibrium: under a load that is given the robot would snap away from it"
+)
+
+
+def describe_symmetry(simulation: Simulation, found: Found) -> str:
+    """What to say when a run stays in an unstable balance that nothing disturbs."""
+    extent = float(np.ptp(simulation.model.dofs.positions(simulation.model.rest), axis=0).max())
+    ways = "1 way" if found.modes == 1 else f"{found.modes} ways"
+    return (
+        f"at t = {found.t:.4g} s the robot was in an unstable balance, in {ways} that nothing moved it: "
+        "perfectly straight, round, flat or planar, it stays so where a real one buckles, within about "
+        f"{1.0 / found.rate:.2g} s; let it deviate: --set 'imperfection={{amplitude: {1e-3 * extent:.1g} m}}'"
+    )
 
 
 def describe_growth(simulation: Simulation, error: float, share: float) -> str:

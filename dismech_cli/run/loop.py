@@ -17,6 +17,7 @@ from ..solve.status import Status
 from .course import Course
 from .failure import (
     UNSTABLE,
+    UNSTABLE_ON_PATH,
     Attempt,
     Failure,
     describe_failure,
@@ -24,6 +25,7 @@ from .failure import (
     describe_infinite,
     describe_runaway,
     describe_singular,
+    describe_symmetry,
 )
 from .interrupt import StopRequest
 from .simulation import Simulation
@@ -165,14 +167,18 @@ def _why_pause(course: Course, limits: Limits, stop: StopRequest) -> str:
 def _doubts(course: Course) -> tuple[str, ...]:
     """Why not to believe a finished run: the balance that it ends in, and models out of their limits."""
     unit = "" if isinstance(course.simulation.integrator, Static) else " s"
-    return (*_balance(course), *course.validity.doubts(course.simulation.places, unit))
+    short = (course.control.doubt,) if course.control.doubt else ()
+    if course.symmetry.found is not None:
+        short = (*short, describe_symmetry(course.simulation, course.symmetry.found))
+    return (*short, *_balance(course), *course.validity.doubts(course.simulation.places, unit))
 
 
 def _balance(course: Course) -> tuple[str, ...]:
     """Energy from nowhere at the end, more than an integrator may round; statics that would buckle."""
     model = course.simulation.model
     if not model.mass.any():
-        return (UNSTABLE,) if course.stepper.unstable(course.state) else ()
+        told = UNSTABLE if course.state.load is None else UNSTABLE_ON_PATH
+        return (told,) if course.stepper.unstable(course.state) else ()
     entries = course.account.measure(course.state)
     share = course.account.growth(entries, course.control.t_end)
     return (describe_growth(course.simulation, entries["error"], share),) if share > _GROWTH else ()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from types import MappingProxyType
 from typing import TypeAlias
 
 from ..arrays import FloatArray
@@ -30,9 +31,21 @@ Singular: TypeAlias = tuple[float, int, ArithmeticError]
 """Where eigenvalues could not be counted: time, the DOF to look at, and why."""
 
 
-def scalar_columns(roles: Roles, probes: Mapping[str, Probe]) -> dict[str, str]:
-    """Names and units of the scalar table, in order."""
-    columns = {"dt": "s", "newton_iterations": "1", "residual": "N"}
+LOAD_COLUMNS: Mapping[str, str] = {"load_factor": "1"}
+"""What runs whose time is not the load factor have beside it."""
+
+
+def scalar_columns(
+    roles: Roles, probes: Mapping[str, Probe], more: Mapping[str, str] = MappingProxyType({})
+) -> dict[str, str]:
+    """Names and units of the scalar table, in order.
+
+    Args:
+        roles: Terms of the model.
+        probes: Columns that are asked for.
+        more: Columns of this kind of run.
+    """
+    columns = {"dt": "s", "newton_iterations": "1", "residual": "N", **more}
     columns |= dict.fromkeys(ENERGY_COLUMNS[:2], "J")
     columns |= {f"elastic_{name}": "J" for name in roles.shares}
     columns |= dict.fromkeys(ENERGY_COLUMNS[2:], "J")
@@ -75,7 +88,7 @@ class Observer:
             measure,
             lambda: self._count_negative(state),
             lambda name: self._stencil_energies(name, state),
-            lambda name: self._elastic[name].natural_at(state.t, state.inputs),
+            lambda name: self._elastic[name].natural_at(state.law_time, state.inputs),
         )
 
     def _count_negative(self, state: State) -> float:
@@ -91,7 +104,7 @@ class Observer:
     def _stencil_energies(self, name: str, state: State) -> FloatArray:
         (term,) = (term for term in self._stepper.system.energies if term.name == name)
         frames = self._simulation.model.frames.transport(state.frames, state.q)
-        c = Configuration(state.t, state.q, state.v, frames, state.inputs)
+        c = Configuration(state.law_time, state.q, state.v, frames, state.inputs)
         energies: FloatArray = term.energy(c).sum(axis=0)
         return energies
 
@@ -102,6 +115,7 @@ class Observer:
         visible = self._simulation.model.dofs.visible
         energies = s.energies
         scalars = {"dt": dt, "newton_iterations": float(iterations), "residual": residual_norm, "wall": wall}
+        scalars["load_factor"] = s.state.law_time
         scalars |= {name: energies[name] for name in ENERGY_COLUMNS}
         scalars |= {f"elastic_{name}": energies[name] for name in self._simulation.roles.shares}
         v = s.dofs.positions(s.state.v)[:visible]

@@ -13,6 +13,7 @@ from ..model.state import State
 from ..output.frame import Topology
 from ..solve.integrators import Integrator
 from ..solve.problem import NewtonSettings
+from ..solve.step import Advance, through_stages
 from .observables.probes import Probe
 from .observables.rod_fields import Field
 from .roles import Roles
@@ -39,6 +40,7 @@ class Simulation:
         probes: Extra columns of the scalar table.
         watched: Probes read after every step, for expectations.
         places: A word for where each visible node lies: object and arc length.
+        advance: How steps go.
         checks: Limits of its models.
         structure: What its states are states of, by name: kept with them.
     """
@@ -57,5 +59,6 @@ class Simulation:
     probes: Mapping[str, Probe]
     watched: Mapping[str, Probe]
     places: tuple[str, ...]
+    advance: Advance = through_stages
     checks: tuple[Check, ...] = ()
     structure: Mapping[str, NDArray[Any]] = field(default_factory=dict)

@@ -28,6 +28,10 @@ class StepControl(Saved, Protocol):
         """Whether the end of the run is reached."""
 
     @property
+    def doubt(self) -> str:
+        """Why the run has not come to the end that it was to come to; empty if it has."""
+
+    @property
     def exhausted(self) -> bool:
         """Whether the next step is as short as a step may be: if it fails, the run does."""
 

@@ -34,7 +34,7 @@ class Known:
 
     def at(self, other: State) -> Configuration:
         """Its shape at the time and under the inputs of another state."""
-        return Configuration(other.t, self.state.q, self.state.v, self.transported, other.inputs)
+        return Configuration(other.law_time, self.state.q, self.state.v, self.transported, other.inputs)
 
 
 class Work:
@@ -80,7 +80,7 @@ class Work:
         # pseudo-time has no speed
         v = moved / (after.t - before.t) if self._moves else np.zeros_like(q)
         frames = self._model.frames.transport(before.frames, q)
-        c = Configuration(0.5 * (before.t + after.t), q, v, frames, after.inputs)
+        c = Configuration(0.5 * (before.law_time + after.law_time), q, v, frames, after.inputs)
         return -_against(self._loads, c, moved), _against(self._dissipative, c, moved)
 
     def in_time(self, terms: Sequence[BoundEnergy], before: Known, after: Known) -> float:

@@ -80,8 +80,8 @@ def at_state(state: State) -> Stage:
     """Balance of forces at a state, as it moves: a stage of no duration and no inertia."""
     zero = np.zeros_like(state.q)
     return Stage(
-        t_stage=state.t,
-        t_end=state.t,
+        t_stage=state.law_time,
+        t_end=state.law_time,
         predictor=state.q,
         weights=Weights(q=1.0, v=0.0, a=0.0),
         q0=zero,
@@ -306,8 +306,8 @@ class Static:
         """Balance of forces at t + dt, from the last equilibrium."""
         zero = np.zeros_like(start.q)
         return Stage(
-            t_stage=start.t + dt,
-            t_end=start.t + dt,
+            t_stage=start.law_time + dt,
+            t_end=start.law_time + dt,
             predictor=start.q,
             weights=Weights(q=1.0, v=0.0, a=0.0),
             q0=zero,

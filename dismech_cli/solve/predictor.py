@@ -38,6 +38,13 @@ class Predictor:
                 yield followed
         yield plain
 
+    def pull(self, problem: StageProblem, q: FloatArray, moved: FloatArray) -> FloatArray:
+        """Change of the residual (n,) per motion ``moved`` (n,) of what is held: K_fh dq_h."""
+        whole, pulled = self._whole, np.empty_like(moved)
+        values = whole.linearize(problem.stage, q, problem.stored).values
+        pulled[whole.pattern.free] = whole.pattern.product(values, moved[whole.pattern.free])
+        return pulled
+
     @cached_property
     def _whole(self) -> System:
         """The model with nothing held: what is held pulls on the rest through its tangent."""
@@ -45,11 +52,9 @@ class Predictor:
 
     def _followed(self, problem: StageProblem, moved: FloatArray) -> FloatArray | None:
         """The guess that follows what is held; None where the tangent or its step is no use."""
-        start, free, whole = problem.stage.predictor, problem.free, self._whole
+        start, free = problem.stage.predictor, problem.free
         with np.errstate(all="ignore"):
-            pulled = np.empty_like(moved)
-            values = whole.linearize(problem.stage, start, problem.stored).values
-            pulled[whole.pattern.free] = whole.pattern.product(values, moved[whole.pattern.free])
+            pulled = self.pull(problem, start, moved)
             now = problem.linearize(start)
             try:
                 step = problem.tangent(start, now).updated(now).solve(-now.residual[free] - pulled[free])

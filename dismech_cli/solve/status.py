@@ -23,6 +23,8 @@ class Status(Enum):
     )
 
     AMBIGUOUS = "the step has more than one solution, as where something buckles: reduce numerics.dt"
+    BRANCHED = "another branch of equilibria leaves the path within the step"
+    TURNED = "the path of equilibria turns within the step: reduce numerics.integrator.path.largest"
 
     @property
     def advice(self) -> str:

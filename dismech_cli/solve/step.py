@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Protocol, TypeAlias
 
 import numpy as np
 
@@ -17,6 +19,7 @@ from .newton import solve_stage
 from .pattern import SparsityPattern
 from .predictor import Predictor
 from .problem import NewtonSettings, StageProblem
+from .result import NewtonResult
 from .status import Status
 from .system import System
 
@@ -33,6 +36,7 @@ class StepResult:
         residual: Residual (n,) of the last stage: reactions on held DOFs.
         worst: DOF with the largest residual of a failed step, or -1.
         indefinite: Whether the tangent of a stage is known to have a negative eigenvalue at its solution.
+        arrived: Whether this is where a path was to end.
     """
 
     state: State
@@ -42,6 +46,7 @@ class StepResult:
     residual: FloatArray
     worst: int
     indefinite: bool = False
+    arrived: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,10 +68,28 @@ class _Binding:
     system: System
 
 
+Solve: TypeAlias = Callable[[StageProblem, FloatArray], NewtonResult]
+"""Solves a stage from a guess."""
+
+
+class Advance(Protocol):
+    """How a step goes on from a state that is prepared for it."""
+
+    def __call__(self, stepper: Stepper, start: State, dt: float, settings: NewtonSettings) -> StepResult:
+        """The step of length ``dt``."""
+
+
 class Stepper:
     """Steps a model; keeps what does not change from step to step."""
 
-    def __init__(self, model: Model, integrator: Integrator, settings: NewtonSettings, solver: str) -> None:
+    def __init__(
+        self,
+        model: Model,
+        integrator: Integrator,
+        settings: NewtonSettings,
+        solver: str,
+        advance: Advance | None = None,
+    ) -> None:
         """Bind the model to the DOFs that are free at t = 0.
 
         Args:
@@ -74,15 +97,17 @@ class Stepper:
             integrator: Time integrator.
             settings: Newton's stopping rule.
             solver: Key of ``LINEAR_SOLVERS``, or ``"auto"``.
+            advance: How steps go; through the stages of the integrator by default.
         """
         self.model = model
         self.integrator = integrator
         self._settings = settings
         self._hasty = replace(settings, max_iterations=min(settings.patience, settings.max_iterations))
         self._wanted = solver
-        self._predictor = Predictor(model)
+        self.predictor = Predictor(model)
         self._moves = bool(model.mass.any())
         self._massless = (model.mass == 0.0) & self._moves
+        self._advance = through_stages if advance is None else advance
         self._analyses = 0
         self._count_negative: tuple[SparsityPattern, CountNegative] | None = None
         self._binding = self._bound(0.0)
@@ -119,7 +144,7 @@ class Stepper:
 
     def step(self, start: State, dt: float) -> StepResult:
         """Advance ``start`` (already prepared) by ``dt``."""
-        return self._step(start, dt, self._settings)
+        return self._advance(self, start, dt, self._settings)
 
     def attempt(self, start: State, dt: float) -> StepResult:
         """The same, but give up soon, and where a shorter step may take another way.
@@ -129,53 +154,25 @@ class Stepper:
         something that buckles strides over. Short steps have one solution. Statics has no such steps:
         there an unstable balance is one.
         """
-        result = self._step(start, dt, self._hasty)
+        result = self._advance(self, start, dt, self._hasty)
         if result.indefinite and self._moves:
             return replace(result, state=start, status=Status.AMBIGUOUS)
         return result
 
-    def _step(self, start: State, dt: float, settings: NewtonSettings) -> StepResult:
-        latest, iterations, indefinite = start, 0, False
-        self.system.start_step()
-        for index in range(self.integrator.stages):
-            stage = self.integrator.stage(index, start, latest, dt)
-            ahead = StageProblem(self.system, stage, latest.frames, settings)
-            since = Since(latest.t, latest.q, latest.frames)
-            for guess in self._predictor.guesses(ahead, since):
-                result = solve_stage(StageProblem(self.system, stage, latest.frames, settings), guess)
-                iterations += result.iterations
-                if result.status is Status.CONVERGED:
-                    break
-            iterations += ahead.spent
-            if result.status is not Status.CONVERGED:
-                return StepResult(
-                    start, result.status, iterations, result.residual_norm, result.residual, result.worst
-                )
-            indefinite = indefinite or result.indefinite
-            latest = self._accept(stage, latest, result.q)
-        # What holds a mass also moves it, along its path and not as the integrator would have it.
-        held = self._binding.held
-        wanted = mean_acceleration(start, latest, dt)[held]
-        inertia = self.model.mass[held] * (wanted - stage.acceleration(result.q)[held])
-        result.residual[held] += inertia
-        return StepResult(
-            latest, Status.CONVERGED, iterations, result.residual_norm, result.residual, -1, indefinite
-        )
-
     def unstable(self, state: State) -> bool:
-        """Whether the stiffness matrix at a static state is known to have a negative eigenvalue."""
+        """Whether the stiffness matrix at a state is known to have a negative eigenvalue."""
         try:
-            return self.system.solver.factorize(self._stiffness(state)).indefinite
+            return self.system.solver.factorize(self.stiffness(state)).indefinite
         except FactorizationError:  # a mechanism, which has its own messages
             return False
 
     def negative_eigenvalues(self, state: State) -> int:
-        """Negative eigenvalues of the stiffness matrix at a static state.
+        """Negative eigenvalues of the stiffness matrix at a state.
 
         Raises:
             FactorizationError: The matrix is singular or not finite.
         """
-        values = self._stiffness(state)
+        values = self.stiffness(state)
         pattern = self.system.pattern
         # few scenes ask, and MKL takes long to load
         if self._count_negative is None or self._count_negative[0] is not pattern:
@@ -185,13 +182,12 @@ class Stepper:
     def softest(self, state: State) -> int:
         """The free DOF whose own stiffness is not finite, or else nearest to none, at a static state."""
         pattern = self.system.pattern
-        stiffness = np.abs(self._stiffness(state)[pattern.diagonal])
+        stiffness = np.abs(self.stiffness(state)[pattern.diagonal])
         return int(pattern.free[np.argmin(np.where(np.isfinite(stiffness), stiffness, -1.0))])
 
-    def _stiffness(self, state: State) -> FloatArray:
+    def stiffness(self, state: State) -> FloatArray:
         """Stored entries of the stiffness matrix, shape (slots,)."""
-        stage = self.integrator.stage(0, state, state, 0.0)
-        return self.system.linearize(stage, state.q, state.frames).values
+        return self.system.linearize(at_state(state), state.q, state.frames).values.copy()
 
     def _bound(self, t: float) -> _Binding:
         motions = self.model.motions
@@ -200,7 +196,13 @@ class Stepper:
         system = System(self.model, ~held, self._wanted)
         return _Binding(since, until, np.flatnonzero(held), np.flatnonzero(held | self._massless), system)
 
-    def _accept(self, stage: Stage, before: State, q: FloatArray) -> State:
+    @property
+    def held(self) -> IntArray:
+        """DOFs that follow a motion now, shape (K,)."""
+        return self._binding.held
+
+    def accept(self, stage: Stage, before: State, q: FloatArray) -> State:
+        """The state at the end of a stage."""
         v, a = stage.finish(q)
         # Held DOFs move on a given path, massless ones (mid-edge normals) go where balance puts them:
         # their difference quotient is free of the integrator's ringing.
@@ -218,3 +220,35 @@ class Stepper:
         a = np.zeros(len(state.q))
         a[movable] = -r[movable] / self.model.mass[movable]
         return a
+
+
+def through_stages(
+    stepper: Stepper, start: State, dt: float, settings: NewtonSettings, solve: Solve = solve_stage
+) -> StepResult:
+    """All stages of the integrator, each by a solver for its balance."""
+    system, latest, iterations, indefinite = stepper.system, start, 0, False
+    system.start_step()
+    for index in range(stepper.integrator.stages):
+        stage = stepper.integrator.stage(index, start, latest, dt)
+        ahead = StageProblem(system, stage, latest.frames, settings)
+        since = Since(latest.t, latest.q, latest.frames)
+        for guess in stepper.predictor.guesses(ahead, since):
+            result = solve(StageProblem(system, stage, latest.frames, settings), guess)
+            iterations += result.iterations
+            if result.status is Status.CONVERGED:
+                break
+        iterations += ahead.spent
+        if result.status is not Status.CONVERGED:
+            return StepResult(
+                start, result.status, iterations, result.residual_norm, result.residual, result.worst
+            )
+        indefinite = indefinite or result.indefinite
+        latest = stepper.accept(stage, latest, result.q)
+    # What holds a mass also moves it, along its path and not as the integrator would have it.
+    held = stepper.held
+    wanted = mean_acceleration(start, latest, dt)[held]
+    inertia = stepper.model.mass[held] * (wanted - stage.acceleration(result.q)[held])
+    result.residual[held] += inertia
+    return StepResult(
+        latest, Status.CONVERGED, iterations, result.residual_norm, result.residual, -1, indefinite
+    )

@@ -20,7 +20,18 @@ def helix_lead_in() -> np.ndarray:
     return np.concatenate([top, out, coil])
 
 
+def gridshell() -> str:
+    """Seven rods along x across seven along y, 1 m long, four edges between crossings, as lines of a mesh."""
+    ticks = np.round(np.linspace(0.0, 1.0, 29), 12)
+    lines = ticks[2::4]
+    numbers: dict[tuple[float, float], int] = {}
+    rods = [[(x, y) for x in ticks] for y in lines] + [[(x, y) for y in ticks] for x in lines]
+    chains = [" ".join(str(numbers.setdefault(p, len(numbers) + 1)) for p in rod) for rod in rods]
+    return "\n".join([*(f"v {x:g} {y:g} 0" for x, y in numbers), *(f"l {chain}" for chain in chains), ""])
+
+
 if __name__ == "__main__":
     np.savetxt(
         HERE / "helix_lead_in.csv", helix_lead_in(), fmt="%.12g", delimiter=",", header="x,y,z", comments=""
     )
+    (HERE / "gridshell.obj").write_text(gridshell())

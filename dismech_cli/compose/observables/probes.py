@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...arrays import IntArray
 from ...run.observables import probes
 from ...scenario.language.probe import (
     DisplacementProbe,
     DistanceProbe,
     EnergyProbe,
+    LoadFactorProbe,
     MeanPositionProbe,
     PositionProbe,
     Probe,
     ReactionProbe,
     StabilityProbe,
+    TurnProbe,
     TwistProbe,
     VelocityProbe,
 )
@@ -28,7 +31,7 @@ def make_probes(scene: Scene, structure: Structure) -> dict[str, probes.Probe]:
     """The probes of the output, by name."""
     given = scene.scenario.output.probes
     return {
-        name: _probe(scene, structure, probe, ("output", "probes", name)) for name, probe in given.items()
+        name: make_probe(scene, structure, probe, ("output", "probes", name)) for name, probe in given.items()
     }
 
 
@@ -36,11 +39,12 @@ def make_watched(scene: Scene, structure: Structure) -> dict[str, probes.Probe]:
     """The probes of the expectations, by name."""
     given = scene.scenario.expect
     return {
-        name: _probe(scene, structure, one.probe, ("expect", name, "probe")) for name, one in given.items()
+        name: make_probe(scene, structure, one.probe, ("expect", name, "probe"))
+        for name, one in given.items()
     }
 
 
-def _probe(scene: Scene, structure: Structure, probe: Probe, path: KeyPath) -> probes.Probe:
+def make_probe(scene: Scene, structure: Structure, probe: Probe, path: KeyPath) -> probes.Probe:
     """Put a probe on its place.
 
     Raises:
@@ -63,12 +67,26 @@ def _probe(scene: Scene, structure: Structure, probe: Probe, path: KeyPath) -> p
         case EnergyProbe():
             return probes.Energy(probe.energy)
         case ReactionProbe():
-            nodes = scene.places.nodes((*path, "reaction"))
+            nodes = _held_with(scene, structure, scene.places.nodes((*path, "reaction")))
             behind = len(geometry.nodes) + np.flatnonzero(np.isin(structure.skeleton.wall_nodes, nodes))
             return probes.Reaction(np.concatenate((nodes, behind)), AXES[probe.component])
         case TwistProbe():
             if structure.dofs.n_angles == 0:
                 raise scene.error((*path, "twist"), "the scene has no rod that can twist")
             return probes.TwistAngle(structure.dofs.of_angles(scene.places.edges((*path, "twist"))))
+        case TurnProbe():
+            edges = geometry.edges[scene.places.edges((*path, "turn"))]
+            along = geometry.nodes[edges[:, 1]] - geometry.nodes[edges[:, 0]]
+            return probes.Turn(edges, along / np.linalg.norm(along, axis=1)[:, None])
+        case LoadFactorProbe():
+            return probes.LoadFactor()
         case StabilityProbe():
             return probes.NegativeEigenvalues()
+
+
+def _held_with(scene: Scene, structure: Structure, nodes: IntArray) -> IntArray:
+    """Nodes and, where they are all that a clamp names, the rest of what it holds: the far end of an edge."""
+    for index, hold in enumerate(structure.holds):
+        if hold.nodes.size and np.isin(scene.places.nodes(("motions", index, "where")), nodes).all():
+            nodes = np.union1d(nodes, hold.nodes)
+    return nodes

@@ -235,7 +235,7 @@ def _kernels(scene: Scene, warnings: list[str]) -> tuple[str, str]:
     if numerics.kernels == "numpy":
         return "numpy", "asked for"
     steps = (
-        numerics.integrator.load_steps
+        numerics.integrator.steps
         if isinstance(numerics.integrator, Static)
         else (numerics.t_end or 0.0) / (numerics.dt or 1.0)
     )

@@ -111,6 +111,37 @@ class TwistAngle:
 
 
 @dataclass(frozen=True, slots=True)
+class Turn:
+    """Angle between an edge and its direction at rest; the mean of several edges.
+
+    Attributes:
+        edges: Nodes of the edges, shape (K, 2).
+        rest: Unit vectors at rest, shape (K, 3).
+    """
+
+    edges: IntArray
+    rest: FloatArray
+    unit: str = "rad"
+
+    def __call__(self, s: Snapshot) -> float:
+        """Read it."""
+        e = s.positions[self.edges[:, 1]] - s.positions[self.edges[:, 0]]
+        across = np.linalg.norm(np.cross(self.rest, e), axis=1)
+        return float(np.arctan2(across, np.einsum("ij,ij->i", self.rest, e)).mean())
+
+
+@dataclass(frozen=True, slots=True)
+class LoadFactor:
+    """The load factor of a static run."""
+
+    unit: str = "1"
+
+    def __call__(self, s: Snapshot) -> float:
+        """Read it."""
+        return s.state.law_time
+
+
+@dataclass(frozen=True, slots=True)
 class NegativeEigenvalues:
     """Negative eigenvalues of the stiffness: 0 for a stable equilibrium, NaN where it is singular."""
 

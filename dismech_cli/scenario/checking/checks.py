@@ -12,7 +12,7 @@ from ...words import listed
 from ..language.force import Buoyancy, Gravity
 from ..language.motion import Clamp, Pin, Twist
 from ..language.numerics import Static
-from ..language.probe import StabilityProbe
+from ..language.probe import EnergyProbe, LoadFactorProbe, ReactionProbe, StabilityProbe, VelocityProbe
 from ..language.render import RodField, ShellField
 from ..language.scenario import Scenario
 from ..language.seam import Seam
@@ -36,6 +36,7 @@ def findings(scenario: Scenario) -> Iterator[Finding]:
     yield from _dimension(scenario)
     yield from _motions(scenario)
     yield from _time(scenario)
+    yield from _path(scenario)
     yield from _expressions(scenario)
     yield from _forces(scenario)
     yield from _materials(scenario)
@@ -112,6 +113,9 @@ def _time(scenario: Scenario) -> Iterator[Finding]:
                 )
         if scenario.initial_velocity:
             yield ("initial_velocity",), "a static run has no velocities"
+        if scenario.imperfection is not None and not scenario.imperfection.stress_free:
+            message = "statics forget at the first step how they were pushed: leave this out"
+            yield ("imperfection", "stress_free"), message
         return
     for key in ("dt", "t_end"):
         if getattr(numerics, key) is None:
@@ -126,9 +130,28 @@ def _time(scenario: Scenario) -> Iterator[Finding]:
         )
 
 
+def _path(scenario: Scenario) -> Iterator[Finding]:
+    integrator = scenario.numerics.integrator
+    if not isinstance(integrator, Static) or integrator.path is None:
+        return
+    for i, motion in enumerate(scenario.motions):
+        if motion.release is not None:
+            yield ("motions", i, "release"), "along a path of equilibria nothing lets go: its time is no time"
+    until = integrator.path.until
+    if until is not None and isinstance(
+        until.probe, EnergyProbe | ReactionProbe | StabilityProbe | VelocityProbe
+    ):
+        message = "a path ends by its shape: displacement, position, distance, twist, turn or load_factor"
+        yield ("numerics", "integrator", "path", "until", "probe"), message
+    if scenario.numerics.newton.projection == "indefinite":
+        message = "a path goes through unstable equilibria as they are: leave this out"
+        yield ("numerics", "newton", "projection"), message
+
+
 def _expressions(scenario: Scenario) -> Iterator[Finding]:
     """Laws that have no value at some time of the run; those of places wait for the mesh."""
-    end = 1.0 if isinstance(scenario.numerics.integrator, Static) else scenario.numerics.t_end or 0.0
+    integrator = scenario.numerics.integrator
+    end = integrator.end if isinstance(integrator, Static) else scenario.numerics.t_end or 0.0
     for path, value in walk(scenario):
         if not isinstance(value, ExpressionLaw):
             continue
@@ -172,6 +195,8 @@ def _output(scenario: Scenario) -> Iterator[Finding]:
         for path, probe in probes(scenario):
             if isinstance(probe, StabilityProbe):
                 yield path, "eigenvalues are computed in static runs only"
+            if isinstance(probe, LoadFactorProbe):
+                yield path, "only static runs have a load factor"
     elif any(getattr(force, "follower", False) or force.acts_at_rest for force in scenario.forces):
         for path, probe in probes(scenario):
             if isinstance(probe, StabilityProbe):
@@ -182,7 +207,10 @@ def _output(scenario: Scenario) -> Iterator[Finding]:
 
 
 def _expectations(scenario: Scenario) -> Iterator[Finding]:
-    end = 1.0 if isinstance(scenario.numerics.integrator, Static) else scenario.numerics.t_end
+    integrator = scenario.numerics.integrator
+    end = scenario.numerics.t_end
+    if isinstance(integrator, Static) and integrator.path is None:
+        end = integrator.end
     for name, expectation in scenario.expect.items():
         path: KeyPath = ("expect", name)
         if expectation.at is not None:

@@ -4,17 +4,47 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal, TypeAlias
 
-from pydantic import ConfigDict, Field
+from pydantic import ConfigDict, Field, model_validator
 
 from ..values.quantity import PositiveTime, Quantity
-from ..values.spec import Spec
+from ..values.spec import Spec, problem
+from .load_path import LoadPath
 
 
 class Static(Spec):
     """Equilibria under loads that grow over a pseudo-time from 0 to 1."""
 
     type: Literal["static"] = Field(description="Kind of integrator.")
-    load_steps: Annotated[int, Field(ge=1, le=1_000_000)] = Field(default=10, description="Number of steps.")
+    load_steps: Annotated[int, Field(ge=1, le=1_000_000)] | None = Field(
+        default=None, description="Number of steps, all of one size; 10 by default. This or `path`."
+    )
+    method: Literal["newton", "relax"] = Field(
+        default="newton",
+        description="How an equilibrium is found. `relax` lets the robot move to rest as in a thick fluid: "
+        "slower, and safe where nets, thin shells and slack strings buckle; it ends in the same equilibria, "
+        "by the same criterion, and in stable ones.",
+    )
+    path: LoadPath | None = Field(
+        default=None, description="Follows the path of equilibria instead, where the load falls too."
+    )
+
+    @model_validator(mode="after")
+    def _one_way(self) -> Static:
+        if self.load_steps is not None and self.path is not None:
+            raise problem("give either 'load_steps' or 'path'; a path finds its own steps")
+        if self.method == "relax" and self.path is not None:
+            raise problem("give either 'method: relax' or 'path'; a path goes through unstable equilibria")
+        return self
+
+    @property
+    def steps(self) -> int:
+        """Steps of one size."""
+        return self.load_steps or 10
+
+    @property
+    def end(self) -> float:
+        """Load factor at the end, as far as it is known."""
+        return 1.0 if self.path is None else self.path.load_factor
 
 
 class ImplicitEuler(Spec):

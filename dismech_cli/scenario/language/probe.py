@@ -54,7 +54,7 @@ class EnergyProbe(Spec):
 
 
 class ReactionProbe(Spec):
-    """Sum of the forces that hold the selected nodes."""
+    """Sum of the forces that hold the selected nodes; of a clamp `at: edge`, those on its whole edge."""
 
     reaction: SelectedNodes = Field(description="Held nodes.")
     component: Component = Field(description="Component, or magnitude.")
@@ -64,6 +64,18 @@ class TwistProbe(Spec):
     """Rotation of an edge about the rod, from rest."""
 
     twist: SelectedEdges = Field(description="An edge: the end of a rod, or one of its edges.")
+
+
+class TurnProbe(Spec):
+    """Angle between an edge and its direction at rest, 0 to 180 deg: at a rod's end, its slope."""
+
+    turn: SelectedEdges = Field(description="An edge: the end of a rod, or one of its edges.")
+
+
+class LoadFactorProbe(Spec):
+    """The load factor: the time of a static run, or the unknown of its path; static only."""
+
+    load_factor: Literal[True] = Field(description="True.")
 
 
 class StabilityProbe(Spec):
@@ -81,6 +93,8 @@ Probe: TypeAlias = Annotated[
     | Annotated[EnergyProbe, Tag(tag("energy"))]
     | Annotated[ReactionProbe, Tag(tag("reaction"))]
     | Annotated[TwistProbe, Tag(tag("twist"))]
+    | Annotated[TurnProbe, Tag(tag("turn"))]
+    | Annotated[LoadFactorProbe, Tag(tag("load_factor"))]
     | Annotated[StabilityProbe, Tag(tag("negative_eigenvalues"))],
     told_by_key(
         "displacement",
@@ -91,6 +105,8 @@ Probe: TypeAlias = Annotated[
         "energy",
         "reaction",
         "twist",
+        "turn",
+        "load_factor",
         "negative_eigenvalues",
     ),
 ]
@@ -105,9 +121,9 @@ def quantity_of(probe: Probe) -> str:
             return "energy"
         case ReactionProbe():
             return "force"
-        case TwistProbe():
+        case TwistProbe() | TurnProbe():
             return "angle"
-        case StabilityProbe():
+        case StabilityProbe() | LoadFactorProbe():
             return "ratio"
         case DisplacementProbe() | PositionProbe() | DistanceProbe() | MeanPositionProbe():
             return "length"

@@ -13,6 +13,7 @@ from .actuation import Actuation
 from .expect import Expectation
 from .force import Force
 from .geometry import Body, Rod, Shell
+from .imperfection import Imperfection
 from .initial import Initial
 from .joint import Joints
 from .mass import PointMass
@@ -64,6 +65,9 @@ class Scenario(Spec):
     )
     initial_velocity: Annotated[tuple[InitialVelocity, ...], Strict(False)] = Field(
         default=(), description="Velocities at t = 0; everything else starts at rest, or as `initial` says."
+    )
+    imperfection: Imperfection | None = Field(
+        default=None, description="A small deviation of the shape of the bodies; default: none."
     )
     numerics: Numerics = Field(description="Time stepping and solvers.")
     output: Output = Field(default=Output(), description="Results.")

@@ -12,6 +12,7 @@ from pydantic.fields import FieldInfo
 
 from ...units import KINDS
 from ..language.expect import Expectation, measured
+from ..language.numerics import Static
 from ..language.probe import Probe
 from ..language.scenario import Scenario
 from ..text.tree import KeyPath
@@ -43,6 +44,9 @@ def probes(scenario: Scenario) -> Iterator[tuple[KeyPath, Probe]]:
         yield ("output", "probes", name), probe
     for name, expectation in scenario.expect.items():
         yield ("expect", name, "probe"), expectation.probe
+    integrator = scenario.numerics.integrator
+    if isinstance(integrator, Static) and integrator.path is not None and integrator.path.until is not None:
+        yield ("numerics", "integrator", "path", "until", "probe"), integrator.path.until.probe
 
 
 @dataclass(frozen=True, slots=True)
