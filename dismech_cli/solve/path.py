@@ -234,7 +234,7 @@ class _Step:
     ) -> StepResult:
         norm, residual = result.residual_norm, result.residual
         end = replace(end, memory={**end.memory, "path.branches": branches})
-        return StepResult(end, Status.CONVERGED, self._spent, norm, residual, -1, arrived)
+        return StepResult(end, Status.CONVERGED, self._spent, norm, residual, -1, arrived=arrived)
 
     def _gave_up(self, start: State, result: NewtonResult) -> StepResult:
         return StepResult(
