@@ -23,3 +23,6 @@ from numpy.typing import NDArray
 FloatArray: TypeAlias = NDArray[np.float64]
 IntArray: TypeAlias = NDArray[np.int64]
 BoolArray: TypeAlias = NDArray[np.bool_]
+
+Numbers: TypeAlias = FloatArray | float
+"""One number for all places, or an array of one each."""

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..arrays import FloatArray, IntArray
+from ..arrays import FloatArray, IntArray, Numbers
 from ..geometry.kernel import kernel
 from ..geometry.vectors import dot
 from ..kernels.shape import Kernel
@@ -61,9 +61,9 @@ def membrane_term(
     nodes: FloatArray,
     triangles: IntArray,
     *,
-    youngs_modulus: float,
+    youngs_modulus: Numbers,
     poisson_ratio: float,
-    thickness: float,
+    thickness: Numbers,
 ) -> StencilEnergy:
     """Build the membrane energy of a shell.
 

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..arrays import FloatArray, IntArray
+from ..arrays import FloatArray, IntArray, Numbers
 from ..geometry.kernel import kernel
 from ..geometry.vectors import dot
 from ..kernels.shape import Kernel
@@ -81,8 +81,8 @@ def neo_hookean_term(
     nodes: FloatArray,
     triangles: IntArray,
     *,
-    shear_modulus: float,
-    thickness: float,
+    shear_modulus: Numbers,
+    thickness: Numbers,
 ) -> StencilEnergy:
     """Build the membrane energy of a shell of rubber.
 

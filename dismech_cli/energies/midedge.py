@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from ..arrays import FloatArray, IntArray
+from ..arrays import FloatArray, IntArray, Numbers
 from ..geometry.blocks import add_block, add_symmetric, outer_sum, pack_two, symmetric_outer_sum, two_sided
 from ..geometry.kernel import kernel
 from ..geometry.rotation import parallel_transport, signed_angle
@@ -210,9 +210,9 @@ def midedge_term(
     face_signs: IntArray,
     frames: ShellFrames,
     *,
-    youngs_modulus: float,
+    youngs_modulus: Numbers,
     poisson_ratio: float,
-    thickness: float,
+    thickness: Numbers,
 ) -> StencilEnergy:
     """Build the bending energy of a shell by free mid-edge normals, stress-free in the rest shape.
 

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from ..arrays import FloatArray, IntArray
+from ..arrays import FloatArray, IntArray, Numbers
 from ..geometry.blocks import add_block, add_symmetric, outer_sum, pack_five, symmetric_outer_sum, two_sided
 from ..geometry.kernel import kernel
 from ..geometry.triangle import azimuth_gradient, azimuth_hessian, dihedral_angle, fold, nearest_turn, side
@@ -156,9 +156,9 @@ def midedge_averaged_term(
     face_edges: IntArray,
     edge_faces: IntArray,
     *,
-    youngs_modulus: float,
+    youngs_modulus: Numbers,
     poisson_ratio: float,
-    thickness: float,
+    thickness: Numbers,
 ) -> StencilEnergy:
     """Build the bending energy of a shell by averaged mid-edge normals, stress-free in the rest shape.
 

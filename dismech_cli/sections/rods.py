@@ -1,13 +1,17 @@
 """Cross-sections: from shape and material to the stiffness and inertia of a rod.
 
 Director m1 spans the thickness, m2 the width: curvature 1 turns the tangent towards m1, so EI1 is
-the stiffness about m2.
+the stiffness about m2. Sizes and moduli may be numbers or arrays of one shape: a section for each place.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from math import pi
+
+import numpy as np
+
+from ..arrays import FloatArray, Numbers
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,16 +26,16 @@ class Section:
         radius: Radius of the drawn tube [m].
     """
 
-    area: float
-    inertia_1: float
-    inertia_2: float
-    torsion: float
-    radius: float
+    area: Numbers
+    inertia_1: Numbers
+    inertia_2: Numbers
+    torsion: Numbers
+    radius: Numbers
 
 
 @dataclass(frozen=True, slots=True)
 class RodProperties:
-    """Stiffness and inertia of a rod.
+    """Stiffness and inertia of the edges of a rod, each an array of shape (E,).
 
     Attributes:
         axial: EA [N].
@@ -44,34 +48,34 @@ class RodProperties:
         radius: Radius of the drawn tube [m].
     """
 
-    axial: float
-    bending_1: float
-    bending_2: float
-    torsional: float
-    mass_per_length: float
-    polar_per_length: float
-    area: float
-    radius: float
+    axial: FloatArray
+    bending_1: FloatArray
+    bending_2: FloatArray
+    torsional: FloatArray
+    mass_per_length: FloatArray
+    polar_per_length: FloatArray
+    area: FloatArray
+    radius: FloatArray
 
     @property
     def isotropic(self) -> bool:
         """Equal bending stiffness in all directions."""
-        return self.bending_1 == self.bending_2
+        return bool((self.bending_1 == self.bending_2).all())
 
 
-def round_section(radius: float) -> Section:
+def round_section(radius: Numbers) -> Section:
     """Solid circle."""
     inertia = pi * radius**4 / 4.0
     return Section(pi * radius**2, inertia, inertia, 2.0 * inertia, radius)
 
 
-def tube_section(outer: float, inner: float) -> Section:
+def tube_section(outer: Numbers, inner: Numbers) -> Section:
     """Annulus."""
     inertia = pi * (outer**4 - inner**4) / 4.0
     return Section(pi * (outer**2 - inner**2), inertia, inertia, 2.0 * inertia, outer)
 
 
-def rectangular_section(width: float, thickness: float, torsion: float | None = None) -> Section:
+def rectangular_section(width: Numbers, thickness: Numbers, torsion: Numbers | None = None) -> Section:
     """Rectangle, thickness along m1 and width along m2.
 
     Args:
@@ -80,7 +84,7 @@ def rectangular_section(width: float, thickness: float, torsion: float | None = 
         torsion: Torsion constant [m^4]; by default Saint-Venant's value to 0.5 %, a b^3 [1/3 -
             0.21 (b/a)(1 - b^4/(12 a^4))] for sides a >= b (Roark's Formulas, table 10.7).
     """
-    a, b = max(width, thickness), min(width, thickness)
+    a, b = np.maximum(width, thickness), np.minimum(width, thickness)
     saint_venant = a * b**3 * (1.0 / 3.0 - 0.21 * (b / a) * (1.0 - b**4 / (12.0 * a**4)))
     return Section(
         width * thickness,
@@ -92,9 +96,9 @@ def rectangular_section(width: float, thickness: float, torsion: float | None = 
 
 
 def rod_properties(
-    section: Section, youngs_modulus: float, poisson_ratio: float, density: float
+    section: Section, youngs_modulus: Numbers, poisson_ratio: Numbers, density: Numbers
 ) -> RodProperties:
-    """Stiffness and inertia of a homogeneous rod.
+    """Stiffness and inertia of a rod, in arrays of the shape of what they are made of.
 
     Args:
         section: Cross-section.
@@ -104,12 +108,12 @@ def rod_properties(
     """
     shear_modulus = youngs_modulus / (2.0 * (1.0 + poisson_ratio))
     return RodProperties(
-        axial=youngs_modulus * section.area,
-        bending_1=youngs_modulus * section.inertia_1,
-        bending_2=youngs_modulus * section.inertia_2,
-        torsional=shear_modulus * section.torsion,
-        mass_per_length=density * section.area,
-        polar_per_length=density * (section.inertia_1 + section.inertia_2),
-        area=section.area,
-        radius=section.radius,
+        axial=np.asarray(youngs_modulus * section.area),
+        bending_1=np.asarray(youngs_modulus * section.inertia_1),
+        bending_2=np.asarray(youngs_modulus * section.inertia_2),
+        torsional=np.asarray(shear_modulus * section.torsion),
+        mass_per_length=np.asarray(density * section.area),
+        polar_per_length=np.asarray(density * (section.inertia_1 + section.inertia_2)),
+        area=np.asarray(section.area),
+        radius=np.asarray(section.radius),
     )

@@ -1,4 +1,7 @@
-"""Shells: from shape and material to stiffness arrays."""
+"""Shells: from shape and material to stiffness arrays.
+
+Moduli and thicknesses are one number, or an array of one for each triangle, edge or hinge.
+"""
 
 from __future__ import annotations
 
@@ -6,13 +9,22 @@ from math import sqrt
 
 import numpy as np
 
-from ..arrays import FloatArray, IntArray
+from ..arrays import FloatArray, IntArray, Numbers
 from ..geometry.vectors import dot
 from ..mesh.measure import side_vectors, triangle_areas
 
 
+def cubed(thickness: Numbers) -> FloatArray:
+    """h^3, number by number: the power of a whole array rounds otherwise on some processors."""
+    cubes: FloatArray = _CUBE(thickness)
+    return cubes
+
+
+_CUBE = np.vectorize(lambda h: h**3, otypes=[np.float64])
+
+
 def plane_stress_stiffness(
-    metric: FloatArray, youngs_modulus: float, poisson_ratio: float, thickness: float
+    metric: FloatArray, youngs_modulus: Numbers, poisson_ratio: float, thickness: Numbers
 ) -> FloatArray:
     """Stiffness of metric strains, upper triangle by rows [N/m^3], shape (6, T).
 
@@ -44,7 +56,7 @@ def plane_stress_stiffness(
 
 
 def area_springs(
-    youngs_modulus: float, thickness: float, lengths: FloatArray, adjacent_area: FloatArray
+    youngs_modulus: Numbers, thickness: Numbers, lengths: FloatArray, adjacent_area: FloatArray
 ) -> FloatArray:
     """Spring stiffness E h (A1 + A2) / l [N], shape (B,) (Van Gelder 1998).
 
@@ -60,7 +72,7 @@ def area_springs(
     return youngs_modulus * thickness * adjacent_area / lengths
 
 
-def hinge_springs(youngs_modulus: float, thickness: float, lengths: FloatArray) -> FloatArray:
+def hinge_springs(youngs_modulus: Numbers, thickness: Numbers, lengths: FloatArray) -> FloatArray:
     """Spring stiffness (sqrt(3)/2) E h l [N], shape (B,), that the DiSMech family pairs with hinges.
 
     Equals :func:`area_springs` inside nets of equilateral triangles; rims are too stiff.
@@ -69,7 +81,7 @@ def hinge_springs(youngs_modulus: float, thickness: float, lengths: FloatArray) 
 
 
 def midedge_springs(
-    youngs_modulus: float, poisson_ratio: float, thickness: float, lengths: FloatArray
+    youngs_modulus: Numbers, poisson_ratio: float, thickness: Numbers, lengths: FloatArray
 ) -> FloatArray:
     """Spring stiffness 2 E h l / (1 - nu^2) [N], shape (B,), the DiSMech family's for mid-edge bending.
 
@@ -78,18 +90,18 @@ def midedge_springs(
     return 2.0 * youngs_modulus * thickness * lengths / (1.0 - poisson_ratio**2)
 
 
-def hinge_stiffness(youngs_modulus: float, thickness: float, count: int) -> FloatArray:
+def hinge_stiffness(youngs_modulus: Numbers, thickness: Numbers, count: int) -> FloatArray:
     """Hinge stiffness (2/sqrt(3)) E h^3 / 12 [N m], shape (H,).
 
     On nets of equilateral triangles this is a plate with D = E h^3 / 12 and a bending Poisson ratio
     of -1/3 (Seung & Nelson 1988). On other nets it does not converge to a plate: a simply supported
     square deflects 0.71 (right triangles) to 1.16 (alternating) of the true value.
     """
-    return np.full(count, youngs_modulus * thickness**3 / (6.0 * sqrt(3.0)))
+    return np.full(count, youngs_modulus * cubed(thickness) / (6.0 * sqrt(3.0)))
 
 
 def weighted_hinge_stiffness(
-    youngs_modulus: float, thickness: float, lengths: FloatArray, adjacent_area: FloatArray
+    youngs_modulus: Numbers, thickness: Numbers, lengths: FloatArray, adjacent_area: FloatArray
 ) -> FloatArray:
     """Hinge stiffness (E h^3 / 12) l^2 / (A1 + A2) [N m], shape (H,) (Grinspun et al. 2003).
 
@@ -102,11 +114,11 @@ def weighted_hinge_stiffness(
         lengths: Rest lengths of the hinge edges [m], shape (H,).
         adjacent_area: Areas of both faces [m^2], shape (H,).
     """
-    return youngs_modulus * thickness**3 / 12.0 * lengths**2 / adjacent_area
+    return youngs_modulus * cubed(thickness) / 12.0 * lengths**2 / adjacent_area
 
 
 def bending_stiffness(
-    nodes: FloatArray, triangles: IntArray, youngs_modulus: float, poisson_ratio: float, thickness: float
+    nodes: FloatArray, triangles: IntArray, youngs_modulus: Numbers, poisson_ratio: float, thickness: Numbers
 ) -> FloatArray:
     """Stiffness of the three edge angles of each triangle, upper triangle by rows [N m], (6, T).
 
@@ -124,7 +136,7 @@ def bending_stiffness(
     """
     sides = side_vectors(nodes, triangles)
     area = triangle_areas(nodes, triangles)
-    rigidity = youngs_modulus * thickness**3 / (12.0 * (1.0 - poisson_ratio**2))
+    rigidity = youngs_modulus * cubed(thickness) / (12.0 * (1.0 - poisson_ratio**2))
     length = np.linalg.norm(sides, axis=2)
     entries = []
     for i, j in ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)):

@@ -45,7 +45,11 @@ def test_json_schema_is_closed_and_described() -> None:
 def test_json_schema_carries_bounds_and_units() -> None:
     modulus = json_schema()["$defs"]["Material"]["properties"]["youngs_modulus"]
     assert modulus["x-unit"] == "Pa"
-    assert modulus["anyOf"] == [{"type": "number", "exclusiveMinimum": 0}, {"type": "string"}]
+    number, *laws = modulus["oneOf"]
+    assert number["anyOf"] == [{"type": "number", "exclusiveMinimum": 0}, {"type": "string"}]
+    assert [law["$ref"].rpartition("/")[2] for law in laws] == ["ByExpression", "ByTable", "ByGroup"]
+    ratio = json_schema()["$defs"]["Material"]["properties"]["poisson_ratio"]
+    assert ratio["anyOf"] == [{"type": "number", "exclusiveMinimum": -1, "maximum": 0.5}, {"type": "string"}]
 
 
 def test_json_schema_takes_the_short_forms() -> None:

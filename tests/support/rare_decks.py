@@ -219,6 +219,14 @@ def lies_in_xy(made: Composition) -> None:
     assert made.plan.axes == (0, 1)
 
 
+def varies_with_place(made: Composition) -> None:
+    (one,) = made.geometry.properties
+    x = np.array([1.0, 3.0, 5.0]) / 6.0
+    assert_allclose(one.radius, 0.5 * (1e-3 + 1e-3 * x), rtol=1e-12)
+    assert_allclose(one.area, (2e-3 + 1e-3 * x) * (1e-3 + 1e-3 * x) + 1e-6 / 12.0 / 9.0, rtol=1e-12)
+    assert_allclose(one.mass_per_length[2] / one.area[2], 2e3, rtol=1e-12)
+
+
 HELIX: Deck = {
     "shape": "helix",
     "origin": [0.0, 0.0, 0.0],
@@ -235,6 +243,31 @@ TOUCHING = [rod([0.0, 0.0, 0.0], [0.1, 0.0, 0.0], "a"), rod([0.1, 0.0, 0.0], [0.
 BODIES = {
     "round section": Rare(
         rod_deck(line(4), {"type": "round", "radius": 0.01}), is_round, classes=frozenset({"RoundSection"})
+    ),
+    "places": Rare(
+        rod_deck(
+            line(4),
+            {
+                "type": "rectangular",
+                "width": {"of": "arc", "table": [[0.0, 2e-3], [1.0, 3e-3]]},
+                "thickness": {"of": "x", "table": [[0.0, 1e-3], [1.0, 2e-3]]},
+                "torsion_constant": {"of": "z", "table": [[0.0, 1e-12], [1.0, 2e-12]]},
+            },
+            materials={
+                "m": {
+                    "youngs_modulus": {"of": "y", "table": [[0.0, 1e6], [1.0, 2e6]]},
+                    "poisson_ratio": 0.5,
+                    "density": {"of": "r", "table": [[0.6, 1e3], [0.65, 2e3]]},
+                }
+            },
+        ),
+        varies_with_place,
+        choices=frozenset(("of", place) for place in ("arc", "x", "y", "z", "r")),
+    ),
+    "groups": Rare(
+        rod_deck(line(4), {"type": "round", "radius": {"value": 1e-2, "groups": {"end": 2e-2}}}),
+        lambda made: assert_array_equal(made.simulation.topology.edge_radius, [1e-2, 1e-2, 2e-2]),
+        classes=frozenset({"ByGroup"}),
     ),
     "left-handed": Rare(
         rod_deck(HELIX, dimension=3), turns_left, choices=frozenset({("handedness", "left")})

@@ -14,10 +14,13 @@ from ...mesh.measure import edge_lengths, triangle_areas
 from ...scenario.language.geometry import Rod, Shell
 from ...scenario.load import LoadedScenario
 from ...sections.rods import RodProperties
+from .cells import rod_cells, shell_cells
 from .mesh import BodyMesh, left_out
-from .rod import properties_of, rod_mesh, with_ends
+from .rod import rod_mesh, with_ends
+from .section import properties_of
 from .shell import ShellProperties, shell_mesh, shell_properties
 from .turning import Turning, whole
+from .varying import Sampler
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,12 +86,12 @@ class Geometry:
         edge_rod: Rod of each edge, shape (E,).
         rods: The rods, in the order of the scenario.
         rod_keys: Place of each rod in the scenario's list of bodies.
-        properties: Stiffness and inertia of each rod.
+        properties: Stiffness and inertia of the edges of each rod.
         triangles: Shell triangles, shape (T, 3).
         triangle_shell: Shell of each triangle, shape (T,).
         shells: The shells, in the order of the scenario.
         shell_keys: Place of each shell in the scenario's list of bodies.
-        sheets: Stiffness and inertia of each shell.
+        sheets: Stiffness and inertia of the triangles of each shell.
         node_groups: ``body``, ``body.GROUP``, ``rod.start``, ``rod.end``, ``shell.boundary`` to nodes.
         edge_groups: ``rod``, ``rod.start``, ``rod.end``, ``rod.GROUP`` to edge indices.
         body_nodes: Nodes of each body, in its own order.
@@ -98,7 +101,8 @@ class Geometry:
         seams: Sides along which shells are welded.
         joined: What became one.
         files: File of each body's mesh, or None, and its nodes' numbers there.
-        notes: What the mesh readers said.
+        notes: What the mesh readers said, and what varies over a body.
+        doubts: What varies too fast for the mesh, or to odd values.
     """
 
     nodes: FloatArray
@@ -122,14 +126,15 @@ class Geometry:
     joined: tuple[Joined, ...]
     files: Mapping[str, tuple[Path, IntArray]]
     notes: tuple[str, ...]
+    doubts: tuple[str, ...]
 
     def per_edge(self, name: str) -> FloatArray:
         """A property of the rods on every edge, shape (E,)."""
-        return np.array([getattr(p, name) for p in self.properties], dtype=np.float64)[self.edge_rod]
+        return np.concatenate((np.empty(0), *(getattr(p, name) for p in self.properties)))
 
     def per_triangle(self, name: str) -> FloatArray:
         """A property of the shells on every triangle, shape (T,)."""
-        return np.array([getattr(s, name) for s in self.sheets], dtype=np.float64)[self.triangle_shell]
+        return np.concatenate((np.empty(0), *(getattr(s, name) for s in self.sheets)))
 
     @property
     def lengths(self) -> FloatArray:
@@ -174,6 +179,9 @@ def assemble_geometry(loaded: LoadedScenario) -> Geometry:
     rods, shells = scenario.rods, scenario.shells
     n = e = 0
     bodies: list[BodyMesh] = []
+    properties: list[RodProperties] = []
+    sheets: list[ShellProperties] = []
+    doubts: list[str] = []
     for index, body in enumerate(scenario.geometry):
         found = _mesh(loaded, index, body)
         bodies.append(found)
@@ -199,6 +207,17 @@ def assemble_geometry(loaded: LoadedScenario) -> Geometry:
         for name, group in mesh.edge_groups.items():
             edge_groups[f"{body.name}.{name}"] = group + e
             node_groups.setdefault(f"{body.name}.{name}", np.unique(mesh.edges[group]) + n)
+        material = scenario.materials[body.material]
+        if isinstance(body, Rod):
+            lead = f"{body.name}."
+            own = {k.removeprefix(lead): v - e for k, v in edge_groups.items() if k.startswith(lead)}
+            sample = Sampler(loaded, body.name, rod_cells(mesh, own))
+            properties.append(properties_of(body, ("geometry", index), material, sample))
+        else:
+            sample = Sampler(loaded, body.name, shell_cells(mesh))
+            sheets.append(shell_properties(body, ("geometry", index), material, sample))
+        notes += sample.notes
+        doubts += sample.doubts
         n, e = n + len(mesh.nodes), e + len(mesh.edges)
     notes += left_out(bodies)
     empty, all_edges = np.empty(0, dtype=np.int64), np.concatenate(edges)
@@ -208,12 +227,12 @@ def assemble_geometry(loaded: LoadedScenario) -> Geometry:
         edge_rod=np.concatenate((empty, *edge_rod)),
         rods=tuple(rods.values()),
         rod_keys=tuple(rods),
-        properties=tuple(properties_of(rod, scenario.materials[rod.material]) for rod in rods.values()),
+        properties=tuple(properties),
         triangles=np.concatenate(triangles),
         triangle_shell=np.concatenate((empty, *triangle_shell)),
         shells=tuple(shells.values()),
         shell_keys=tuple(shells),
-        sheets=tuple(shell_properties(one, scenario.materials[one.material]) for one in shells.values()),
+        sheets=tuple(sheets),
         node_groups=node_groups,
         edge_groups=edge_groups,
         body_nodes=body_nodes,
@@ -224,6 +243,7 @@ def assemble_geometry(loaded: LoadedScenario) -> Geometry:
         joined=(),
         files=files,
         notes=tuple(notes),
+        doubts=tuple(doubts),
     )
 
 

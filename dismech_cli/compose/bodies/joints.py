@@ -126,7 +126,7 @@ def _shell_welds(loaded: LoadedScenario, geometry: Geometry, pair: Pair) -> list
         )
     welds = []
     for edge in edges:
-        radius = geometry.properties[geometry.edge_rod[edge]].radius
+        radius = float(geometry.per_edge("radius")[edge])
         reach = radius if pair.footprint is None else pair.footprint
         welds.append(ShellWeld(edge, shell, pair.joint, pair.release, reach))
     return welds

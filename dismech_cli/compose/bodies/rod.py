@@ -17,17 +17,7 @@ from ...mesh.generate.polyline import polyline
 from ...mesh.mesh import Mesh
 from ...mesh.validate import validate
 from ...scenario.language.geometry import MeshFile, Rod
-from ...scenario.language.material import Material
-from ...scenario.language.section import GivenSection, RectangularSection, RoundSection, TubeSection
 from ...scenario.language.shape import Arc, CsvCurve, Helix, Line, Polyline
-from ...sections.rods import (
-    RodProperties,
-    Section,
-    rectangular_section,
-    rod_properties,
-    round_section,
-    tube_section,
-)
 from .mesh import BodyMesh, part_of_file
 from .placement import placement_of
 
@@ -88,27 +78,3 @@ def _generated(rod: Rod, directory: Path) -> Mesh:
             return polyline(points, closed=s.closed, where=str(path))
         case None:
             raise AssertionError("the schema asks for generate or mesh")
-
-
-def properties_of(rod: Rod, material: Material) -> RodProperties:
-    """Stiffness and inertia of a rod."""
-    shape: Section
-    match rod.cross_section:
-        case RoundSection() as s:
-            shape = round_section(s.radius)
-        case TubeSection() as s:
-            shape = tube_section(s.outer_radius, s.inner_radius)
-        case RectangularSection() as s:
-            shape = rectangular_section(s.width, s.thickness, s.torsion_constant)
-        case GivenSection() as s:
-            return RodProperties(
-                axial=s.axial_stiffness,
-                bending_1=s.bending_stiffness_1,
-                bending_2=s.bending_stiffness_2,
-                torsional=s.torsional_stiffness,
-                mass_per_length=s.mass_per_length,
-                polar_per_length=s.rotary_inertia_per_length,
-                area=s.mass_per_length / material.density,
-                radius=s.radius,
-            )
-    return rod_properties(shape, material.youngs_modulus, material.poisson_ratio, material.density)

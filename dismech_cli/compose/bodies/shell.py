@@ -31,37 +31,49 @@ from ...scenario.language.surface import (
     SheetSurface,
     SphereSurface,
 )
+from ...scenario.text.tree import KeyPath
 from .mesh import BodyMesh, part_of_file
 from .placement import placement_of
+from .varying import Sampler
 
 
 @dataclass(frozen=True, slots=True)
 class ShellProperties:
-    """A homogeneous isotropic sheet.
+    """An isotropic sheet.
 
     Attributes:
-        youngs_modulus: E [Pa].
+        youngs_modulus: E of each triangle [Pa], shape (T,).
         poisson_ratio: nu [1].
-        thickness: h [m].
-        mass_per_area: rho h [kg/m^2].
+        thickness: h of each triangle [m], shape (T,).
+        mass_per_area: rho h of each triangle [kg/m^2], shape (T,).
         model: How its material stretches.
     """
 
-    youngs_modulus: float
+    youngs_modulus: FloatArray
     poisson_ratio: float
-    thickness: float
-    mass_per_area: float
+    thickness: FloatArray
+    mass_per_area: FloatArray
     model: str
 
 
-def shell_properties(shell: Shell, material: Material) -> ShellProperties:
-    """Stiffness and inertia of a shell."""
+def shell_properties(shell: Shell, path: KeyPath, material: Material, sample: Sampler) -> ShellProperties:
+    """Stiffness and inertia of the triangles of a shell.
+
+    Args:
+        shell: As in the scenario.
+        path: Its key path.
+        material: Its material.
+        sample: Reads values on its triangles.
+
+    Raises:
+        ScenarioError: A value that varies is wrong somewhere on the shell.
+    """
+    mean, of_material = sample.cells.mean, ("materials", shell.material)
+    thickness = sample(shell.thickness, (*path, "thickness"), "length")
+    density = sample(material.density, (*of_material, "density"), "density")
+    modulus = sample(material.youngs_modulus, (*of_material, "youngs_modulus"), "pressure")
     return ShellProperties(
-        material.youngs_modulus,
-        material.poisson_ratio,
-        shell.thickness,
-        material.density * shell.thickness,
-        material.model,
+        mean(modulus), material.poisson_ratio, mean(thickness), mean(density * thickness), material.model
     )
 
 

@@ -22,7 +22,7 @@ from ..scene import Scene
 from ..structure.plan import Bending
 from ..structure.structure import Structure
 from .halves import Halves, halves_in_plane, halves_in_space
-from .joints import node_dofs
+from .joints import node_dofs, of_edges
 
 _NAME = "corners"
 
@@ -59,11 +59,10 @@ def _framed(scene: Scene, structure: Structure, inside: IntArray) -> Corners | N
     rest = frames.transport(frames.rest(structure.rest), structure.rest)
     d, f = joint_frames(structure.positions, corners.triples, rest.auxiliary, places, corners.signs)
     cosines = np.einsum("icJ,jcJ->Jij", d, f)
-    per_rod = np.array(
-        # a curvature 1 is a turn about m2, a curvature 2 one about m1
-        [(1.0 / p.torsional, 1.0 / p.bending_2, 1.0 / p.bending_1) for p in scene.geometry.properties]
-    )
-    compliance = corners.halves[:, :, None] * per_rod[corners.rods]
+    # a curvature 1 is a turn about m2, a curvature 2 one about m1
+    names = ("torsional", "bending_2", "bending_1")
+    stiff = np.stack([of_edges(scene.geometry, structure.skeleton, name) for name in names], axis=1)
+    compliance = corners.halves[:, :, None] * (1.0 / stiff)[corners.pairs]
     of_e = compliance[:, 0, :, None] * np.eye(3)
     of_f = np.einsum("Jik,Jk,Jjk->Jij", cosines, compliance[:, 1], cosines)
     stiffness = np.linalg.inv(of_e + of_f)
@@ -100,11 +99,10 @@ def _planar(scene: Scene, structure: Structure, inside: IntArray) -> Corners | N
     corners, dofs = structure.skeleton.corners, structure.dofs
     if not len(corners.triples):
         return None
-    properties = scene.geometry.properties
-    stiff = np.array(
-        [(p.bending_1, p.bending_2)[which] for p, which in zip(properties, inside[:, 0], strict=True)]
-    )
-    stiffness = corners.voronoi / (corners.halves / stiff[corners.rods]).sum(axis=1)
+    names = ("bending_1", "bending_2")
+    both = np.stack([of_edges(scene.geometry, structure.skeleton, name) for name in names])
+    stiff = both[inside[corners.rods, 0], corners.pairs]
+    stiffness = corners.voronoi / (corners.halves / stiff).sum(axis=1)
     angle = planar_angles(dofs.positions(structure.rest), corners.triples)
     halves = halves_in_plane(corners, np.arange(len(angle)), inside)
     energy = StencilEnergy.of(

@@ -18,12 +18,16 @@ def node_dofs(dofs: DofMap, nodes: IntArray) -> IntArray:
     return dofs.of_nodes(nodes).reshape(len(nodes), -1)
 
 
+def of_edges(geometry: Geometry, skeleton: Skeleton, name: str) -> FloatArray:
+    """A property of all edges, those of walls too, shape (E + W,)."""
+    per_edge = geometry.per_edge(name)
+    return np.concatenate((per_edge, per_edge[skeleton.owners]))
+
+
 def in_series(geometry: Geometry, skeleton: Skeleton, name: str) -> FloatArray:
     """Stiffness of each joint: the two half edges bend or twist in series; 0 where it is released."""
     j = skeleton.joints
-    per_edge = geometry.per_edge(name)
-    per_edge = np.concatenate((per_edge, per_edge[skeleton.owners]))
-    k = per_edge[j.pairs]
+    k = of_edges(geometry, skeleton, name)[j.pairs]
     same = k[:, 0] == k[:, 1]
     half = 0.5 * skeleton.rest_lengths[j.pairs]
     series = half.sum(axis=1) / (half / k).sum(axis=1)

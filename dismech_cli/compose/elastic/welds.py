@@ -112,10 +112,11 @@ def _faces(geometry: Geometry, weld: ShellWeld, other: int, footprint: float) ->
 
 def _stiffness(geometry: Geometry, weld: ShellWeld) -> FloatArray:
     """Stiffness against twist and against bending about m1 and m2 [N m], shape (3,)."""
-    rod = geometry.properties[geometry.edge_rod[weld.edge]]
     half = 0.5 * geometry.lengths[weld.edge]
-    twist = 0.0 if weld.release == "twist" else rod.torsional
     # curvature 1 is a rotation about m2, curvature 2 one about m1
-    bending = (0.0, 0.0) if weld.release == "bending" else (rod.bending_2, rod.bending_1)
+    names = ("torsional", "bending_2", "bending_1")
+    torsional, *bending = (float(geometry.per_edge(name)[weld.edge]) for name in names)
+    twist = 0.0 if weld.release == "twist" else torsional
+    bending = [0.0, 0.0] if weld.release == "bending" else bending
     stiffness: FloatArray = np.array((twist, *bending)) / half
     return stiffness

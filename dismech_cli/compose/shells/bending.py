@@ -13,9 +13,8 @@ from ...mesh.measure import edge_lengths
 from ...model.stencil import StencilEnergy
 from ...scenario.language.geometry import Shell
 from ...sections.shells import hinge_springs, midedge_springs
-from ..bodies.shell import ShellProperties
 from .body import Ground, ShellBody
-from .hinges import hinges_of
+from .hinges import hinge_stiffnesses
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,7 +24,7 @@ class ShellBending:
     Attributes:
         term: Makes the energy of a shell, stress-free in its rest shape.
         springs: Stiffness of the springs that the DiSMech programs put on its edges, see
-            :mod:`.membrane`: of a shell with edges of these lengths [m], shape (B,).
+            :mod:`.membrane`: at its rest positions (n_nodes, 3), shape (B,).
         has_normals: Whether every edge has a normal with an angle of its own.
         at_hinges: Whether its stencils are the hinges between two triangles, rather than the triangles.
         dihedral_factor: Change of the natural angles at a hinge when it is driven by 1: those of triangles
@@ -37,7 +36,7 @@ class ShellBending:
     """
 
     term: Callable[[ShellBody, Ground], StencilEnergy]
-    springs: Callable[[ShellProperties, FloatArray], FloatArray]
+    springs: Callable[[ShellBody, FloatArray], FloatArray]
     has_normals: bool
     at_hinges: bool
     dihedral_factor: float
@@ -85,19 +84,18 @@ def _averaged(body: ShellBody, ground: Ground) -> StencilEnergy:
 
 
 def _hinge(body: ShellBody, ground: Ground) -> StencilEnergy:
-    edges = body.topology.hinge_edges
-    lengths = edge_lengths(ground.positions, body.topology.edges)[edges]
-    around = body.adjacent_areas(ground.positions)[edges]
-    stiffness = body.share * hinges_of(body.shell).whole(body.sheet, lengths, around)
+    stiffness = body.share * hinge_stiffnesses(body, ground.positions)
     return hinge_term(_name(body), ground.dofs, ground.positions, body.topology.hinges, stiffness)
 
 
-def _family_of_hinges(sheet: ShellProperties, lengths: FloatArray) -> FloatArray:
-    return hinge_springs(sheet.youngs_modulus, sheet.thickness, lengths)
+def _family_of_hinges(body: ShellBody, positions: FloatArray) -> FloatArray:
+    return hinge_springs(*body.on_edges(positions), edge_lengths(positions, body.topology.edges))
 
 
-def _family_of_normals(sheet: ShellProperties, lengths: FloatArray) -> FloatArray:
-    return midedge_springs(sheet.youngs_modulus, sheet.poisson_ratio, sheet.thickness, lengths)
+def _family_of_normals(body: ShellBody, positions: FloatArray) -> FloatArray:
+    modulus, thickness = body.on_edges(positions)
+    lengths = edge_lengths(positions, body.topology.edges)
+    return midedge_springs(modulus, body.sheet.poisson_ratio, thickness, lengths)
 
 
 SHELL_BENDING: Mapping[str, ShellBending] = {

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Protocol
 
+import numpy as np
+
 from ...arrays import FloatArray, IntArray
 from ...kinematics.dofs import DofMap
 from ...kinematics.shell_frames import ShellFrames
@@ -33,6 +35,23 @@ class ShellBody:
     topology: ShellTopology
     first: int
     share: FloatArray
+
+    def on_edges(self, positions: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Young's modulus [Pa] and thickness [m] at each edge, shape (B,): stretched side by side."""
+        modulus, thickness, area = self.sides(positions)
+        share = area / area.sum(axis=1, keepdims=True)
+        mean = (share * thickness).sum(axis=1)
+        tension = (share * thickness * modulus).sum(axis=1)
+        # without the rounding of a mean where both sides are the same
+        alike = (modulus[:, 0] == modulus[:, 1]) & (thickness[:, 0] == thickness[:, 1])
+        return np.where(alike, modulus[:, 0], tension / mean), np.where(alike, thickness[:, 0], mean)
+
+    def sides(self, positions: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Modulus [Pa], thickness [m] and area [m^2] on both sides of edges, a rim's twice, shape (B, 2)."""
+        faces = self.topology.edge_faces
+        faces = np.where(faces >= 0, faces, faces[:, :1])
+        area = triangle_areas(positions, self.triangles)[faces]
+        return self.sheet.youngs_modulus[faces], self.sheet.thickness[faces], area
 
     def adjacent_areas(self, positions: FloatArray) -> FloatArray:
         """Area of the triangles at each edge [m^2], shape (B,)."""

@@ -9,12 +9,13 @@ from typing import TypeAlias
 import numpy as np
 
 from ...arrays import FloatArray
+from ...mesh.measure import edge_lengths
 from ...scenario.language.geometry import Shell
 from ...sections.shells import hinge_stiffness, weighted_hinge_stiffness
-from ..bodies.shell import ShellProperties
+from .body import ShellBody
 
-Rule: TypeAlias = Callable[[ShellProperties, FloatArray, FloatArray], FloatArray]
-"""Stiffness [N m] from a sheet, lengths of edges [m] and areas beside them [m^2], shape (H,) each."""
+Rule: TypeAlias = Callable[[FloatArray, FloatArray, FloatArray, FloatArray], FloatArray]
+"""Stiffness [N m] from Young's modulus [Pa], thickness [m], length [m] and area [m^2], shape (H,) each."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,7 +23,7 @@ class Hinges:
     """A rule for the stiffness of hinges.
 
     Attributes:
-        whole: Of hinges between two triangles, from the area of both.
+        whole: Of hinges between two triangles of one sheet, from the area of both.
         half: Of one side of a hinge whose other side is rigid, from its area: two in series are a whole.
     """
 
@@ -35,20 +36,30 @@ def hinges_of(shell: Shell) -> Hinges:
     return HINGES[shell.hinges or "equal"]
 
 
-def _equal(sheet: ShellProperties, lengths: FloatArray, areas: FloatArray) -> FloatArray:
-    return hinge_stiffness(sheet.youngs_modulus, sheet.thickness, len(lengths))
+def hinge_stiffnesses(body: ShellBody, positions: FloatArray) -> FloatArray:
+    """Stiffness of the hinges of a shell, the two sides of each in series [N m], shape (H,)."""
+    rule, edges = hinges_of(body.shell), body.topology.hinge_edges
+    lengths = edge_lengths(positions, body.topology.edges)[edges]
+    modulus, thickness, areas = (sides[edges].T for sides in body.sides(positions))
+    one, two = (rule.half(modulus[i], thickness[i], lengths, areas[i]) for i in range(2))
+    # without the rounding of a sum where both sides are the same
+    alike = (modulus[0] == modulus[1]) & (thickness[0] == thickness[1])
+    whole = rule.whole(modulus[0], thickness[0], lengths, areas.sum(axis=0))
+    return np.where(alike, whole, one * two / (one + two))
 
 
-def _half_of_equal(sheet: ShellProperties, lengths: FloatArray, areas: FloatArray) -> FloatArray:
-    return np.asarray(2.0 * _equal(sheet, lengths, areas))
+def _equal(modulus: FloatArray, thickness: FloatArray, lengths: FloatArray, areas: FloatArray) -> FloatArray:
+    return hinge_stiffness(modulus, thickness, len(lengths))
 
 
-def _weighted(sheet: ShellProperties, lengths: FloatArray, areas: FloatArray) -> FloatArray:
-    return weighted_hinge_stiffness(sheet.youngs_modulus, sheet.thickness, lengths, areas)
+def _half_of_equal(
+    modulus: FloatArray, thickness: FloatArray, lengths: FloatArray, areas: FloatArray
+) -> FloatArray:
+    return np.asarray(2.0 * hinge_stiffness(modulus, thickness, len(lengths)))
 
 
 HINGES: Mapping[str, Hinges] = {
     "equal": Hinges(_equal, _half_of_equal),
     # The area is a compliance: that of both sides is the sum.
-    "weighted": Hinges(_weighted, _weighted),
+    "weighted": Hinges(weighted_hinge_stiffness, weighted_hinge_stiffness),
 }

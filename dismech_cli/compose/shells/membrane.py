@@ -48,13 +48,13 @@ def _rubber(body: ShellBody, ground: Ground) -> StencilEnergy:
 def _springs(body: ShellBody, ground: Ground) -> StencilEnergy:
     lengths = edge_lengths(ground.positions, body.topology.edges)
     around = body.adjacent_areas(ground.positions)
-    stiffness = area_springs(body.sheet.youngs_modulus, body.sheet.thickness, lengths, around)
+    stiffness = area_springs(*body.on_edges(ground.positions), lengths, around)
     return spring_term(_name(body), ground.dofs, body.topology.edges, lengths, stiffness)
 
 
 def _family(body: ShellBody, ground: Ground) -> StencilEnergy:
     lengths = edge_lengths(ground.positions, body.topology.edges)
-    stiffness = bending_of(body.shell).springs(body.sheet, lengths)
+    stiffness = bending_of(body.shell).springs(body, ground.positions)
     return spring_term(_name(body), ground.dofs, body.topology.edges, lengths, stiffness)
 
 

@@ -162,11 +162,13 @@ def _sides(geometry: Geometry, number: int, topology: ShellTopology, weld: IntAr
     """The triangles of a shell at its welded edges."""
     own = np.flatnonzero(geometry.triangle_shell == number)
     edges, slot = np.nonzero((weld >= 0)[:, None] & (topology.edge_faces >= 0))
-    faces = own[topology.edge_faces[edges, slot]]
+    inside, sheet = topology.edge_faces[edges, slot], geometry.sheets[number]
+    faces = own[inside]
     triangles = geometry.triangles[faces]
     opposite = triangles.sum(axis=1) - topology.edges[edges].sum(axis=1)
     stiffness = hinges_of(geometry.shells[number]).half(
-        geometry.sheets[number],
+        sheet.youngs_modulus[inside],
+        sheet.thickness[inside],
         edge_lengths(geometry.nodes, topology.edges[edges]),
         triangle_areas(geometry.nodes, triangles),
     )

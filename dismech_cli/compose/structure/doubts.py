@@ -31,6 +31,7 @@ _HELD = 1e-9
 
 def scene_doubts(scene: Scene, holds: tuple[Hold, ...]) -> Iterator[str]:
     """Warnings, each with its place in the scenario."""
+    yield from scene.geometry.doubts
     yield from _uneven_meshes(scene)
     yield from _twisted_sections(scene)
     yield from _single_rows(scene, holds)

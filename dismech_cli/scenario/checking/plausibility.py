@@ -20,6 +20,7 @@ from ..language.surface import (
     SheetSurface,
     SphereSurface,
 )
+from ..values.varying import written
 from .finding import Finding
 
 SOFTEST, STIFFEST = 1e3, 1.3e12  # [Pa] jelly, diamond
@@ -53,23 +54,37 @@ def doubts(scenario: Scenario) -> Iterator[Finding]:
 
 def _materials(scenario: Scenario) -> Iterator[Finding]:
     for name, material in scenario.materials.items():
-        modulus, density = material.youngs_modulus, material.density
+        moduli, densities = written(material.youngs_modulus), written(material.density)
         path = ("materials", name)
+        yield from (((*path, "youngs_modulus"), what) for what in modulus_doubts(*_ends(moduli)))
+        yield from (((*path, "density"), what) for what in density_doubts(*_ends(densities)))
+
+
+def _ends(values: tuple[float, ...]) -> tuple[float, ...]:
+    """The least and the largest of some values, one of them where they are equal."""
+    return tuple(sorted({min(values), max(values)})) if values else ()
+
+
+def modulus_doubts(*moduli: float) -> Iterator[str]:
+    """What is odd about Young's moduli [Pa]."""
+    for modulus in moduli:
         if modulus < SOFTEST:
             guess = f"; did you mean {modulus:g} MPa?" if SOFTEST <= modulus * 1e6 <= STIFFEST else ""
-            yield (*path, "youngs_modulus"), f"E = {modulus:g} Pa: softer than jelly{guess}"
+            yield f"E = {modulus:g} Pa: softer than jelly{guess}"
         if modulus > STIFFEST:
-            yield (*path, "youngs_modulus"), f"E = {modulus:g} Pa: stiffer than diamond"
+            yield f"E = {modulus:g} Pa: stiffer than diamond"
+
+
+def density_doubts(*densities: float) -> Iterator[str]:
+    """What is odd about densities [kg/m^3]."""
+    for density in densities:
         if density < LIGHTEST:
             guess = "; did you mean g/cm^3?" if LIGHTEST <= density * 1e3 <= HEAVIEST else ""
-            yield (*path, "density"), f"density {density:g} kg/m^3: lighter than aerogel{guess}"
+            yield f"density {density:g} kg/m^3: lighter than aerogel{guess}"
         elif density < 30.0:
-            yield (
-                (*path, "density"),
-                f"density {density:g} kg/m^3: light as foam; did you mean {density:g} g/cm^3?",
-            )
+            yield f"density {density:g} kg/m^3: light as foam; did you mean {density:g} g/cm^3?"
         if density > HEAVIEST:
-            yield (*path, "density"), f"density {density:g} kg/m^3: heavier than osmium"
+            yield f"density {density:g} kg/m^3: heavier than osmium"
 
 
 def _slenderness(scenario: Scenario) -> Iterator[Finding]:
@@ -84,7 +99,9 @@ def _slenderness(scenario: Scenario) -> Iterator[Finding]:
 def _inertia(scenario: Scenario) -> Iterator[Finding]:
     for i, rod in scenario.rods.items():
         match rod.section:
-            case GivenSection(mass_per_length=mass, radius=radius, rotary_inertia_per_length=inertia):
+            case GivenSection(
+                mass_per_length=float(mass), radius=float(radius), rotary_inertia_per_length=float(inertia)
+            ):
                 solid = 0.5 * mass * radius**2
                 if inertia < LEAST_INERTIA * solid:
                     yield (
@@ -99,8 +116,9 @@ def _inertia(scenario: Scenario) -> Iterator[Finding]:
 def _thinness(scenario: Scenario) -> Iterator[Finding]:
     for i, shell in scenario.shells.items():
         size = _size(shell)
-        if size is not None and shell.thickness > STOUTEST * size:
-            message = f"thickness {shell.thickness:g} m on a size of {size:g} m: too stout for a shell"
+        thickness = max(written(shell.thickness), default=0.0)
+        if size is not None and thickness > STOUTEST * size:
+            message = f"thickness {thickness:g} m on a size of {size:g} m: too stout for a shell"
             yield ("geometry", i, "thickness"), message
 
 
@@ -122,13 +140,12 @@ def _size(shell: Shell) -> float | None:
 
 
 def _thickness(rod: Rod) -> float:
+    """Largest thickness that is written [m]; 0 if an expression makes it."""
     match rod.cross_section:
-        case RoundSection(radius=radius) | GivenSection(radius=radius):
-            return 2 * radius
-        case TubeSection(outer_radius=radius):
-            return 2 * radius
+        case RoundSection(radius=radius) | GivenSection(radius=radius) | TubeSection(outer_radius=radius):
+            return 2 * max(written(radius), default=0.0)
         case RectangularSection(thickness=thickness, width=width):
-            return min(thickness, width)
+            return min(max(written(side), default=0.0) for side in (thickness, width))
 
 
 def _length(rod: Rod) -> float | None:

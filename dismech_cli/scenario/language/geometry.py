@@ -7,8 +7,9 @@ from typing import Annotated, Literal, TypeAlias
 from annotated_types import Len
 from pydantic import Field, Strict, model_validator
 
-from ..values.quantity import Angle, DirectionTriple, FileName, LengthTriple, Name, PositiveLength, Quantity
+from ..values.quantity import Angle, DirectionTriple, FileName, LengthTriple, Name, Quantity
 from ..values.spec import Spec, exactly_one, exclusive, problem
+from ..values.varying import VaryingLength
 from .section import RoundSection, Section
 from .shape import Shape
 from .surface import Surface
@@ -87,7 +88,7 @@ class Rod(Spec):
     type: Literal["rod"] = Field(description="Kind of body.")
     name: Name = Field(description="Its name, for selections and results.")
     material: str = Field(description="Name of its material.")
-    radius: PositiveLength | None = Field(default=None, description="Short for a round `section`.")
+    radius: VaryingLength | None = Field(default=None, description="Short for a round `section`.")
     section: Section | None = Field(default=None, description="Cross-section; this or `radius`.")
     generate: Shape | None = Field(default=None, description="Centreline; this or `mesh`.")
     mesh: MeshFile | None = Field(default=None, description="Centreline from a file; this or `generate`.")
@@ -165,7 +166,7 @@ class Shell(Spec):
     type: Literal["shell"] = Field(description="Kind of body.")
     name: Name = Field(description="Its name, for selections and results.")
     material: str = Field(description="Name of its material.")
-    thickness: PositiveLength = Field(description="Thickness.")
+    thickness: VaryingLength = Field(description="Thickness.")
     generate: Surface | None = Field(default=None, description="Surface; this or `mesh`.")
     mesh: SurfaceFile | None = Field(default=None, description="Surface from a file; this or `generate`.")
     membrane: Literal["cst", "springs", "family"] = Field(

@@ -8,14 +8,15 @@ from pydantic import Field, model_validator
 
 from ..values.quantity import Quantity
 from ..values.spec import Spec, problem
+from ..values.varying import VaryingDensity, VaryingModulus
 
 
 class Material(Spec):
     """An elastic material."""
 
-    youngs_modulus: Annotated[float, Quantity("pressure", gt=0)] = Field(description="Young's modulus.")
+    youngs_modulus: VaryingModulus = Field(description="Young's modulus.")
     poisson_ratio: Annotated[float, Quantity("ratio", gt=-1, le=0.5)] = Field(description="Poisson's ratio.")
-    density: Annotated[float, Quantity("density", gt=0)] = Field(description="Mass per volume.")
+    density: VaryingDensity = Field(description="Mass per volume.")
     model: Literal["st_venant_kirchhoff", "neo_hookean"] = Field(
         default="st_venant_kirchhoff",
         description="How it stretches: `st_venant_kirchhoff` stress proportional to strain, for strains up "

@@ -12,7 +12,7 @@ from pydantic_core import CoreSchema, core_schema
 
 from ...units import KINDS
 from ..text.tree import describe
-from .quantity import to_si
+from .quantity import Quantity, to_si
 from .spec import problem
 
 
@@ -22,7 +22,8 @@ class LawOf:
 
     Attributes:
         name: Key of :data:`.units.KINDS`.
-        variables: Those that an expression may use: ``t``, ``s`` along a rod, places on shells.
+        variables: Those that an expression may use: ``t``, ``s`` along a rod, places on shells; without
+            ``t`` the value varies over a body, not in time.
     """
 
     name: str
@@ -44,6 +45,7 @@ class LawOf:
         return handler(schema["schema"]) | {
             "x-unit": KINDS[self.name].unit,
             "x-quantity": self.name,
+            "x-law": "t" in self.variables,
         }
 
 
@@ -81,11 +83,52 @@ FieldValue: TypeAlias = Annotated[float, _FieldQuantity()]
 
 
 @dataclass(frozen=True, slots=True)
-class TimeAndValue:
-    """Marks a pair as a time and a value of the law's field."""
+class _PositiveFieldQuantity(_FieldQuantity):
+    """Marks a number above zero as a value of the law's field."""
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.no_info_before_validator_function(_row, handler(source))
+        return core_schema.no_info_before_validator_function(_read_positive, handler(source))
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        return {"anyOf": [{"type": "number", "exclusiveMinimum": 0}, {"type": "string"}]}
+
+
+def _read_positive(value: object) -> float:
+    return Quantity(_FIELD.get(_PLAIN).name, gt=0).read(value)
+
+
+PositiveFieldValue: TypeAlias = Annotated[float, _PositiveFieldQuantity()]
+
+
+@dataclass(frozen=True, slots=True)
+class Pair:
+    """Marks a pair as a time or a place and a value of the law's field.
+
+    Attributes:
+        first: Quantity of the first.
+    """
+
+    first: str
+
+    def read(self, pair: object) -> tuple[float, float]:
+        """Both in SI units.
+
+        Raises:
+            PydanticCustomError: It is no pair of them.
+        """
+        kind = KINDS[self.first]
+        if not isinstance(pair, tuple | list) or len(pair) != 2:
+            raise problem(f"expected {kind.phrase} and a value, got {describe(pair)}")
+        return to_si(pair[0], kind), self.value(pair[1])
+
+    def value(self, value: object) -> float:
+        """The second in SI units."""
+        return _read(value)
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_before_validator_function(self.read, handler(source))
 
     def __get_pydantic_json_schema__(
         self, schema: CoreSchema, handler: GetJsonSchemaHandler
@@ -99,10 +142,14 @@ class TimeAndValue:
         return {"type": "array", "items": {"anyOf": [time, value]}, "minItems": 2, "maxItems": 2}
 
 
-def _row(pair: object) -> tuple[float, float]:
-    if not isinstance(pair, tuple | list) or len(pair) != 2:
-        raise problem(f"expected a time and a value, got {describe(pair)}")
-    return to_si(pair[0], KINDS["time"]), _read(pair[1])
+@dataclass(frozen=True, slots=True)
+class PositivePair(Pair):
+    """Marks a pair whose value must be above zero."""
+
+    def value(self, value: object) -> float:
+        """The second in SI units."""
+        return _read_positive(value)
 
 
-Row: TypeAlias = Annotated[tuple[float, ...], TimeAndValue()]
+Row: TypeAlias = Annotated[tuple[float, ...], Pair("time")]
+PlaceRow: TypeAlias = Annotated[tuple[float, ...], PositivePair("length")]

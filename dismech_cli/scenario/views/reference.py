@@ -20,6 +20,9 @@ the schema itself.
 - **Laws**: a value marked *law* may be a number or quantity, or one of the mappings under
   [Laws](#tablelaw): `{table: [[0, 0], [1 s, 5 mm]]}`, `{ramp: {from: 0, to: 5 mm, end: 1 s}}`,
   `{sine: {amplitude: 5 mm, frequency: 2 Hz}}`, `{sawtooth: {...}}`, `{expression: "sin(2*pi*t)"}`.
+- **Varying values**: a value marked *may vary* may be a number or quantity, or vary over the body at rest
+  by one of the mappings under [Varying values](#byexpression): `{expression: "0.002*(1 - 0.8*s)"}`,
+  `{of: s, table: [[0, 2 mm], [1, 0.4 mm]]}`, `{value: 2 mm, groups: {tip: 1 mm}}`.
 - **Selections**: `beam` (all nodes), `beam.start`, `beam.end`, `sheet.boundary` (the rims of a shell), a
   group of a mesh `beam.NAME`, or one of the mappings under [Selections](#groupselection).
 - **Files** are named relative to the folder of the scenario and must lie in it, unless
@@ -107,9 +110,10 @@ def _default(key: str, part: dict[str, Any], required: list[str]) -> str:
 def _kind(part: dict[str, Any]) -> str:
     """What a key takes, in words."""
     if "x-unit" in part:
-        law = "oneOf" in part
+        law = "law of " if part.get("x-law") else ""
+        varies = "" if part.get("x-law", True) else ", may vary"
         unit = "" if part["x-unit"] == "1" else f" [{part['x-unit']}]"
-        return f"{'law of ' if law else ''}{part['x-quantity'] if part['x-unit'] != '1' else 'number'}{unit}"
+        return f"{law}{part['x-quantity'] if part['x-unit'] != '1' else 'number'}{unit}{varies}"
     if "$ref" in part:
         name = part["$ref"].rpartition("/")[2]
         return f"[{name}](#{name.lower()})"

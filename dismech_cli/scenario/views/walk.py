@@ -16,9 +16,10 @@ from ..language.numerics import Static
 from ..language.probe import Probe
 from ..language.scenario import Scenario
 from ..text.tree import KeyPath
-from ..values.law_of import LawOf, TimeAndValue
+from ..values.law_of import LawOf, Pair
 from ..values.quantity import FileReference, Quantity
 from ..values.selection import Selection, Selects
+from ..values.varying import ByTable
 
 
 def walk(value: Any, path: KeyPath = ()) -> Iterator[tuple[KeyPath, Any]]:
@@ -131,17 +132,14 @@ def leaves(value: Any, path: KeyPath = (), marks: tuple[Any, ...] = ()) -> Itera
             for key, child in value.items():
                 yield from leaves(child, (*path, key), marks)
         case tuple() if value:
-            row = _ROW in marks and isinstance(value[0], float)
+            pair = next((mark for mark in marks if isinstance(mark, Pair)), None)
+            first = (Quantity(pair.first), *marks) if pair and isinstance(value[0], float) else marks
             for i, child in enumerate(value):
-                yield from leaves(child, (*path, i), (_TIME, *marks) if row and i == 0 else marks)
+                yield from leaves(child, (*path, i), first if i == 0 else marks)
         case _:
             unit = _unit(marks) if isinstance(value, float) else ""
             files = [mark for mark in marks if isinstance(mark, FileReference) and isinstance(value, str)]
             yield Leaf(path, value, unit, bool(files), any(mark.folder for mark in files))
-
-
-_TIME = Quantity("time")
-_ROW = TimeAndValue()
 
 
 def _special(value: BaseModel, name: str) -> tuple[Any, ...]:
@@ -149,6 +147,8 @@ def _special(value: BaseModel, name: str) -> tuple[Any, ...]:
     match value:
         case Expectation() if name == "value":
             return (Quantity(measured(value.probe, value.reduce)),)
+        case ByTable(of="s") if name == "table":
+            return (Pair("ratio"),)
         case _:
             return ()
 
