@@ -83,7 +83,7 @@ def compose(
     fields = make_fields(scene, structure, elastic.rods)
     columns = scalar_columns(roles, probes, LOAD_COLUMNS if follows_path(loaded) else {})
     numerics, (control, every) = loaded.scenario.numerics, times(loaded)
-    model = _model(scene, structure, (*elastic.terms, *forces.all))
+    model = _model(scene, structure, (*elastic.terms, *elastic.damping, *forces.all))
     start = make_start(scene, structure, model.motions)
     simulation = Simulation(
         name=loaded.scenario.name,
@@ -139,5 +139,5 @@ def _roles(elastic: Elastic, forces: Forces) -> Roles:
         elastic=elastic.terms,
         gravitational=tuple(term.name for term in forces.gravitational),
         loads=tuple(term.name for term in forces.loads),
-        dissipative=tuple(term.name for term in forces.dissipative),
+        dissipative=tuple(term.name for term in (*elastic.damping, *forces.dissipative)),
     )

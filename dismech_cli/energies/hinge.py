@@ -13,21 +13,27 @@ from ..arrays import FloatArray, IntArray
 from ..geometry.blocks import add_symmetric, pack_three, two_sided
 from ..geometry.kernel import kernel
 from ..geometry.triangle import azimuth_gradient, azimuth_hessian, dihedral_angle, fold, nearest_turn
-from ..geometry.vectors import combine, outer, scale, sym_outer
+from ..geometry.vectors import Vector, combine, outer, scale, sym_outer
 from ..kernels.shape import Kernel
 from ..kinematics.dofs import DofMap
 from ..model.stencil import StencilEnergy
 
 
 @kernel
-def hinge(y: Any, a: Any, p: Any) -> Any:
-    """Energy, gradient and packed Hessian with respect to (x1 - x0, x2 - x0, x3 - x0)."""
-    e, f, g = y[0:3], y[3:6], y[6:9]
-    n, ns, nc, r = azimuth_gradient(e, f)
-    m, ms, mc, _ = azimuth_gradient(e, g)
-    k = p[1]
-    elastic = nearest_turn(fold(n, m, g, ms) - p[0])
-    t = k * elastic
+def by_angle(e: Vector, f: Vector, g: Vector, first: Any, second: Any, t: Any, k: Any) -> Any:
+    """Gradient and packed Hessian of an energy of the angle, of slope t and curvature k.
+
+    Args:
+        e: The edge.
+        f: To the corner of the first face; ``g`` to that of the second.
+        g: See ``f``.
+        first: Of the first face, from :func:`azimuth_gradient`; ``second`` likewise.
+        second: See ``first``.
+        t: Derivative to the angle.
+        k: Second derivative to it.
+    """
+    n, ns, nc, r = first
+    m, ms, mc, _ = second
     # theta = azimuth of the second face - azimuth of the first: d theta = de.de + ms m.dg - ns n.df
     de = combine(nc * ns, n, -mc * ms, m)
     nx, ny, nw, nz = azimuth_hessian(e, f, ns, nc, r, -t)
@@ -45,7 +51,18 @@ def hinge(y: Any, a: Any, p: Any) -> Any:
         sym_outer(m, mz),
     )
     ge, gf, gg = scale(t, de), scale(-t * ns, n), scale(t * ms, m)
-    gradient = (ge[0], ge[1], ge[2], gf[0], gf[1], gf[2], gg[0], gg[1], gg[2])
+    return (ge[0], ge[1], ge[2], gf[0], gf[1], gf[2], gg[0], gg[1], gg[2]), hessian
+
+
+@kernel
+def hinge(y: Any, a: Any, p: Any) -> Any:
+    """Energy, gradient and packed Hessian with respect to (x1 - x0, x2 - x0, x3 - x0)."""
+    e, f, g = y[0:3], y[3:6], y[6:9]
+    first, second = azimuth_gradient(e, f), azimuth_gradient(e, g)
+    k = p[1]
+    elastic = nearest_turn(fold(first[0], second[0], g, second[1]) - p[0])
+    t = k * elastic
+    gradient, hessian = by_angle(e, f, g, first, second, t, k)
     return 0.5 * t * elastic, gradient, hessian
 
 

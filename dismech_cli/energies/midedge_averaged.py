@@ -28,34 +28,37 @@ from .midedge import face_turning
 
 
 @kernel
-def midedge_averaged(y: Any, x: Any, p: Any) -> Any:
-    """Energy, gradient and packed Hessian with respect to (x1, x2, f0, f1, f2) - x0."""
+def around(y: Any) -> Any:
+    """Edge vectors, those to the neighbours' corners, the normal, and what all angles stand on."""
     a, b = y[0:3], y[3:6]
-    p00, p01, p02, p11, p12, p22, w0, w1, w2 = p[3], p[4], p[5], p[6], p[7], p[8], p[9], p[10], p[11]
     v0, v1 = sub(b, a), scale(-1.0, b)
     f0, f1, f2 = sub(y[6:9], a), sub(y[9:12], b), y[12:15]
     n = cross(a, b)
     inverse_area = 1.0 / norm(n)
     n = scale(inverse_area, n)
-    side0, side1, side2 = (
+    sides = (
         side(v0, scale(-1.0, a), inverse_area),
         side(v1, sub(a, b), inverse_area),
         side(a, b, inverse_area),
     )
     # neighbour 0 turns about b - a, seen from a; neighbour 1 about -b, seen from b; 2 about a
-    n0, s0, c0, r0 = azimuth_gradient(v0, f0)
-    n1, s1, c1, r1 = azimuth_gradient(v1, f1)
-    n2, s2, c2, r2 = azimuth_gradient(a, f2)
-    e0 = w0 * nearest_turn(fold(n, n0, f0, s0) - p[0])
-    e1 = w1 * nearest_turn(fold(n, n1, f1, s1) - p[1])
-    e2 = w2 * nearest_turn(fold(n, n2, f2, s2) - p[2])
-    m0, m1, m2 = (
-        p00 * e0 + p01 * e1 + p02 * e2,
-        p01 * e0 + p11 * e1 + p12 * e2,
-        p02 * e0 + p12 * e1 + p22 * e2,
-    )
-    energy = 0.5 * (e0 * m0 + e1 * m1 + e2 * m2)
-    m0, m1, m2 = w0 * m0, w1 * m1, w2 * m2
+    others = (azimuth_gradient(v0, f0), azimuth_gradient(v1, f1), azimuth_gradient(a, f2))
+    return (a, b, v0, v1), (f0, f1, f2), n, sides, others
+
+
+@kernel
+def by_angles(shape: Any, m: Any, k: Any) -> Any:
+    """Gradient and packed Hessian of an energy of the dihedral angles.
+
+    Args:
+        shape: From :func:`around`.
+        m: Derivatives to the angles.
+        k: Second derivatives to them, upper triangle by rows.
+    """
+    (a, b, v0, v1), (f0, f1, f2), n, (side0, side1, side2), others = shape
+    (n0, s0, c0, r0), (n1, s1, c1, r1), (n2, s2, c2, r2) = others
+    m0, m1, m2 = m
+    k00, k01, k02, k11, k12, k22 = k
 
     # dihedral angle = azimuth of the neighbour less that of the triangle itself
     g0, g1, g2 = side0[1] * side0[2], side1[1] * side1[2], side2[1] * side2[2]
@@ -71,8 +74,6 @@ def midedge_averaged(y: Any, x: Any, p: Any) -> Any:
         gc[0], gc[1], gc[2], gd[0], gd[1], gd[2], ge[0], ge[1], ge[2],
     )  # fmt: skip
 
-    k00, k01, k02 = w0 * w0 * p00, w0 * w1 * p01, w0 * w2 * p02
-    k11, k12, k22 = w1 * w1 * p11, w1 * w2 * p12, w2 * w2 * p22
     q0 = add(scale(k00, a0), combine(k01, a1, k02, a2))
     q1 = add(scale(k01, a0), combine(k11, a1, k12, a2))
     q2 = add(scale(k02, a0), combine(k12, a1, k22, a2))
@@ -114,6 +115,27 @@ def midedge_averaged(y: Any, x: Any, p: Any) -> Any:
             outer(scale(k12 * s1 * s2, n1), n2),
         ),
     )
+    return gradient, hessian
+
+
+@kernel
+def midedge_averaged(y: Any, x: Any, p: Any) -> Any:
+    """Energy, gradient and packed Hessian with respect to (x1, x2, f0, f1, f2) - x0."""
+    p00, p01, p02, p11, p12, p22, w0, w1, w2 = p[3], p[4], p[5], p[6], p[7], p[8], p[9], p[10], p[11]
+    shape = around(y)
+    _, (f0, f1, f2), n, _, ((n0, s0, _, _), (n1, s1, _, _), (n2, s2, _, _)) = shape
+    e0 = w0 * nearest_turn(fold(n, n0, f0, s0) - p[0])
+    e1 = w1 * nearest_turn(fold(n, n1, f1, s1) - p[1])
+    e2 = w2 * nearest_turn(fold(n, n2, f2, s2) - p[2])
+    m0, m1, m2 = (
+        p00 * e0 + p01 * e1 + p02 * e2,
+        p01 * e0 + p11 * e1 + p12 * e2,
+        p02 * e0 + p12 * e1 + p22 * e2,
+    )
+    energy = 0.5 * (e0 * m0 + e1 * m1 + e2 * m2)
+    k00, k01, k02 = w0 * w0 * p00, w0 * w1 * p01, w0 * w2 * p02
+    k11, k12, k22 = w1 * w1 * p11, w1 * w2 * p12, w2 * w2 * p22
+    gradient, hessian = by_angles(shape, (w0 * m0, w1 * m1, w2 * m2), (k00, k01, k02, k11, k12, k22))
     return energy, gradient, hessian
 
 

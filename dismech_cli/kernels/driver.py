@@ -7,7 +7,7 @@ from typing import Any, Protocol
 
 from ..arrays import FloatArray, IntArray
 from .linearization import Linearization, Pattern
-from .shape import DragKernel, Kernel, LoadKernel
+from .shape import DragKernel, Kernel, LoadKernel, RateKernel
 
 
 class StencilLoop(Protocol):
@@ -58,6 +58,25 @@ class LoadLoop(Protocol):
         """Add -f and -df/dq at some scale."""
 
 
+class RateLoop(Protocol):
+    """All stencils of one viscous stress."""
+
+    def add_residual(
+        self, q: FloatArray, v: FloatArray, auxiliary: FloatArray, parameters: FloatArray, r: FloatArray
+    ) -> None:
+        """Add the residual to ``r``, shape (n,)."""
+
+    def add_linearization(
+        self,
+        q: FloatArray,
+        v: FloatArray,
+        auxiliary: FloatArray,
+        parameters: FloatArray,
+        into: Linearization,
+    ) -> None:
+        """Add the residual and both tangents."""
+
+
 class Driver(Protocol):
     """Turns kernels into loops."""
 
@@ -73,6 +92,9 @@ class Driver(Protocol):
 
     def load(self, kernel: LoadKernel, dofs: IntArray, auxiliaries: IntArray, pattern: Pattern) -> LoadLoop:
         """Loop of a load kernel over stencils (S, D) with auxiliary inputs (S, A)."""
+
+    def rate(self, kernel: RateKernel, dofs: IntArray, auxiliaries: IntArray, pattern: Pattern) -> RateLoop:
+        """Loop of a rate kernel over stencils (S, D) with auxiliary inputs (S, A)."""
 
     def map(self, function: Callable[[Any], Any], inputs: FloatArray, outputs: int) -> FloatArray:
         """Apply a kernel column by column: (inputs, k) to (outputs, k)."""

@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import FloatArray, IntArray
-from .driver import DragLoop, LoadLoop, StencilLoop
+from .driver import DragLoop, LoadLoop, RateLoop, StencilLoop
 from .linearization import Linearization, Pattern
 from .loop_module import LoopModule
-from .numba_source import drag_source, load_source, map_source, stencil_source
-from .shape import DragKernel, Kernel, LoadKernel
+from .numba_source import drag_source, load_source, map_source, rate_source, stencil_source
+from .shape import DragKernel, Kernel, LoadKernel, RateKernel
 
 
 def _unsigned(indices: IntArray) -> NDArray[np.uint32]:
@@ -149,6 +149,53 @@ class NumbaLoadLoop:
 
 
 @cache
+def _rate_loops(kernel: RateKernel) -> LoopModule:
+    return LoopModule(kernel.function, "rates", rate_source(kernel))
+
+
+class NumbaRateLoop:
+    """Serial compiled loop over stencils of a viscous stress."""
+
+    def __init__(self, kernel: RateKernel, dofs: IntArray, auxiliaries: IntArray, pattern: Pattern) -> None:
+        self._loops = _rate_loops(kernel)
+        self._indices = (_unsigned(dofs), _unsigned(auxiliaries))
+        row, column, sign = kernel.elastic.gradient_table
+        place, other, entry, factor = kernel.tangent_table
+        self._tables = (row, column, sign, place * kernel.dofs + other, entry, factor)
+        i, j = np.divmod(np.arange(kernel.dofs**2), kernel.dofs)
+        self._slots = _unsigned(pattern.slots_of(dofs[:, i], dofs[:, j]))
+
+    def add_residual(
+        self, q: FloatArray, v: FloatArray, auxiliary: FloatArray, parameters: FloatArray, r: FloatArray
+    ) -> None:
+        """Add the residual."""
+        self._loops.run("residual", q, v, auxiliary, parameters, *self._indices, r, self._tables)
+
+    def add_linearization(
+        self,
+        q: FloatArray,
+        v: FloatArray,
+        auxiliary: FloatArray,
+        parameters: FloatArray,
+        into: Linearization,
+    ) -> None:
+        """Add the residual and both tangents."""
+        self._loops.run(
+            "linearization",
+            q,
+            v,
+            auxiliary,
+            parameters,
+            *self._indices,
+            into.residual,
+            self._tables,
+            into.stiffness,
+            into.damping,
+            self._slots,
+        )
+
+
+@cache
 def _map_loop(function: Callable[..., Any], inputs: int, outputs: int) -> LoopModule:
     return LoopModule(function, "map", map_source(function, inputs, outputs))
 
@@ -170,6 +217,10 @@ class NumbaDriver:
     def load(self, kernel: LoadKernel, dofs: IntArray, auxiliaries: IntArray, pattern: Pattern) -> LoadLoop:
         """Loop of a load kernel."""
         return NumbaLoadLoop(kernel, dofs, auxiliaries, pattern)
+
+    def rate(self, kernel: RateKernel, dofs: IntArray, auxiliaries: IntArray, pattern: Pattern) -> RateLoop:
+        """Loop of a rate kernel."""
+        return NumbaRateLoop(kernel, dofs, auxiliaries, pattern)
 
     def map(self, function: Callable[[Any], Any], inputs: FloatArray, outputs: int) -> FloatArray:
         """Apply a kernel column by column."""

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from .shape import DragKernel, Kernel, LoadKernel
+from .shape import DragKernel, Kernel, LoadKernel, RateKernel
 
 _HEADER = '''"""Loops of {name}; written by dismech, do not edit."""
 
@@ -87,6 +87,86 @@ def linearization(q, auxiliary, p, scale, dofs, places, r, stiffness, slots):
         {stiffness}
 """
 
+# Strains are few and their Hessians large: only the kernel is written out, the rest loops over small arrays;
+# in straight lines it would take minutes to compile.
+_RATE = """
+import numpy as np
+
+
+@jit
+def residual(q, v, auxiliary, p, dofs, places, r, tables):
+    slope_rows, slope_columns, slope_signs = tables[0], tables[1], tables[2]
+    b, c = np.empty(({n}, {size})), np.empty(({n}, {n}))
+    w, rate, g = np.empty({size}), np.empty({n}), np.empty({size})
+    for s in range(len(dofs)):
+        {velocities}
+        g[:] = 0.0
+        for k in range({n}):
+            slopes, _, viscosities = kernel({y}, {a}, {p}, {unit})
+            {slopes}
+            {viscosities}
+            rate[k] = 0.0
+            for i in range({size}):
+                rate[k] += b[k, i] * w[i]
+        for k in range({n}):
+            stress = 0.0
+            for l in range({n}):
+                stress += c[k, l] * rate[l]
+            for i in range({size}):
+                g[i] += stress * b[k, i]
+        for m in range(len(slope_rows)):
+            r[dofs[s, slope_rows[m]]] += slope_signs[m] * g[slope_columns[m]]
+
+
+@jit
+def linearization(q, v, auxiliary, p, dofs, places, r, tables, stiffness, damping, slots):
+    slope_rows, slope_columns, slope_signs = tables[0], tables[1], tables[2]
+    spots, entries, factors = tables[3], tables[4], tables[5]
+    b, c, h = np.empty(({n}, {size})), np.empty(({n}, {n})), np.empty(({n}, {size}, {size}))
+    w, rate, g = np.empty({size}), np.empty({n}), np.empty({size})
+    met, changed, packed = np.empty({size}), np.empty(({n}, {size})), np.empty({half})
+    kq, kv = np.empty({size} * {size}), np.empty({size} * {size})
+    for s in range(len(dofs)):
+        {velocities}
+        g[:] = 0.0
+        kq[:] = 0.0
+        kv[:] = 0.0
+        for k in range({n}):
+            slopes, curvature, viscosities = kernel({y}, {a}, {p}, {unit})
+            {slopes}
+            {curvature}
+            {viscosities}
+            m = 0
+            for i in range({size}):
+                for j in range(i, {size}):
+                    h[k, i, j] = packed[m]
+                    h[k, j, i] = packed[m]
+                    m += 1
+            rate[k] = 0.0
+            for i in range({size}):
+                rate[k] += b[k, i] * w[i]
+                changed[k, i] = 0.0
+                for j in range({size}):
+                    changed[k, i] += h[k, i, j] * w[j]
+        for k in range({n}):
+            stress = 0.0
+            met[:] = 0.0
+            for l in range({n}):
+                stress += c[k, l] * rate[l]
+                for i in range({size}):
+                    met[i] += c[k, l] * b[l, i]
+            for i in range({size}):
+                g[i] += stress * b[k, i]
+                for j in range({size}):
+                    kq[i * {size} + j] += stress * h[k, i, j] + met[i] * changed[k, j]
+                    kv[i * {size} + j] += met[i] * b[k, j]
+        for m in range(len(slope_rows)):
+            r[dofs[s, slope_rows[m]]] += slope_signs[m] * g[slope_columns[m]]
+        for m in range(len(spots)):
+            stiffness[slots[s, spots[m]]] += factors[m] * kq[entries[m]]
+            damping[slots[s, spots[m]]] += factors[m] * kv[entries[m]]
+"""
+
 _MAP = """
 @jit
 def loop(x, out):
@@ -139,6 +219,28 @@ def load_source(kernel: LoadKernel) -> str:
     )
 
 
+def rate_source(kernel: RateKernel) -> str:
+    """Module text of a rate kernel: ``residual``, ``linearization``."""
+    n, size = kernel.strains, kernel.reduced
+    half = size * (size + 1) // 2
+    pairs = [(i, j) for i in range(n) for j in range(i, n)]
+    return _header(kernel.function) + _RATE.format(
+        n=n,
+        size=size,
+        half=half,
+        y=_tuple(_variables(kernel.elastic)),
+        a=_auxiliaries(kernel.elastic),
+        p=_parameters(len(kernel.parameters)),
+        unit=_tuple([f"1.0 if k == {k} else 0.0" for k in range(n)]),
+        slopes=_lines([f"b[k, {i}] = slopes[{i}]" for i in range(size)], 12),
+        curvature=_lines([f"packed[{m}] = curvature[{m}]" for m in range(half)], 12),
+        viscosities=_lines(
+            [f"c[{i}, {j}] = c[{j}, {i}] = viscosities[{m}]" for m, (i, j) in enumerate(pairs)], 12
+        ),
+        velocities=_lines([f"w[{i}] = {x}" for i, x in enumerate(_variables(kernel.elastic, "v"))], 8),
+    )
+
+
 def map_source(function: Callable[..., Any], inputs: int, outputs: int) -> str:
     """Module text of a map kernel: ``loop``."""
     return _header(function) + _MAP.format(
@@ -151,18 +253,18 @@ def _header(function: Callable[..., Any]) -> str:
     return _HEADER.format(name=function.__name__, module=function.__module__)
 
 
-def _variables(kernel: Kernel | LoadKernel) -> list[str]:
+def _variables(kernel: Kernel | LoadKernel, of: str = "q") -> list[str]:
     angles = range(kernel.dimension * kernel.nodes, kernel.dofs)
-    return _differences(kernel.vectors, kernel.dimension) + [f"q[dofs[s, {k}]]" for k in angles]
+    return _differences(kernel.vectors, kernel.dimension, of) + [f"{of}[dofs[s, {k}]]" for k in angles]
 
 
 def _auxiliaries(kernel: Kernel | LoadKernel) -> str:
     return _tuple([f"auxiliary[places[s, {k}]]" for k in range(kernel.auxiliaries)])
 
 
-def _differences(vectors: Sequence[tuple[int, int]], dimension: int) -> list[str]:
+def _differences(vectors: Sequence[tuple[int, int]], dimension: int, of: str = "q") -> list[str]:
     return [
-        f"q[dofs[s, {head * dimension + i}]] - q[dofs[s, {tail * dimension + i}]]"
+        f"{of}[dofs[s, {head * dimension + i}]] - {of}[dofs[s, {tail * dimension + i}]]"
         for tail, head in vectors
         for i in range(dimension)
     ]
@@ -175,6 +277,10 @@ def _parameters(count: int) -> str:
 def _tuple(entries: Sequence[str]) -> str:
     # an empty tuple has no type to compile: one unused zero stands in
     return f"({', '.join(entries)},)" if entries else "(0.0,)"
+
+
+def _lines(statements: Sequence[str], indent: int) -> str:
+    return f"\n{' ' * indent}".join(statements)
 
 
 def _sums(target: str, source: str, places: Any, indices: Any, factors: Any) -> str:

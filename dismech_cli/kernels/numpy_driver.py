@@ -10,9 +10,10 @@ import numpy as np
 from scipy.sparse import csr_matrix
 
 from ..arrays import FloatArray, IntArray
-from .driver import DragLoop, LoadLoop, StencilLoop
+from .driver import DragLoop, LoadLoop, RateLoop, StencilLoop
 from .linearization import Linearization, Pattern
-from .shape import DragKernel, Kernel, LoadKernel
+from .numpy_rates import NumpyRateLoop
+from .shape import DragKernel, Kernel, LoadKernel, RateKernel
 
 # Stencils per call: temporaries of a chunk stay in the second-level cache.
 _CHUNK = 2048
@@ -232,6 +233,10 @@ class NumpyDriver:
     def load(self, kernel: LoadKernel, dofs: IntArray, auxiliaries: IntArray, pattern: Pattern) -> LoadLoop:
         """Loop of a load kernel."""
         return NumpyLoadLoop(kernel, dofs, auxiliaries, pattern)
+
+    def rate(self, kernel: RateKernel, dofs: IntArray, auxiliaries: IntArray, pattern: Pattern) -> RateLoop:
+        """Loop of a rate kernel."""
+        return NumpyRateLoop(kernel, dofs, auxiliaries, pattern)
 
     def map(self, function: Callable[[Any], Any], inputs: FloatArray, outputs: int) -> FloatArray:
         """Apply a kernel column by column."""

@@ -14,10 +14,10 @@ from typing import Any
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
-from .driver import DragLoop, Driver, LoadLoop, StencilLoop
+from .driver import DragLoop, Driver, LoadLoop, RateLoop, StencilLoop
 from .linearization import Linearization, Pattern
 from .numpy_driver import NumpyDriver
-from .shape import DragKernel, Kernel, LoadKernel
+from .shape import DragKernel, Kernel, LoadKernel, RateKernel
 
 
 def clamped(packed: FloatArray, order: int) -> FloatArray:
@@ -118,6 +118,10 @@ class ProjectedDriver:
     def load(self, kernel: LoadKernel, dofs: IntArray, auxiliaries: IntArray, pattern: Pattern) -> LoadLoop:
         """Loop of a load kernel."""
         return self.driver.load(kernel, dofs, auxiliaries, pattern)
+
+    def rate(self, kernel: RateKernel, dofs: IntArray, auxiliaries: IntArray, pattern: Pattern) -> RateLoop:
+        """Loop of a rate kernel."""
+        return self.driver.rate(kernel, dofs, auxiliaries, pattern)
 
     def map(self, function: Callable[[Any], Any], inputs: FloatArray, outputs: int) -> FloatArray:
         """Apply a kernel column by column."""

@@ -5,7 +5,8 @@ angles. Because node positions enter through differences, gradient and Hessian w
 follow from constant +-1 patterns, tabulated here once per kernel. A drag kernel sees edge vectors,
 velocities of some nodes of the stencil and constants, and returns its residual share on those same
 nodes with both tangents. A load kernel sees what an energy kernel sees and returns its residual share
-on all DOFs of the stencil: its force has no potential.
+on all DOFs of the stencil: its force has no potential. A rate kernel sees that too, and returns strains with
+the viscosities that their rates meet.
 
 Kernels name their parameters: only they know in which row of p a name stands.
 """
@@ -272,3 +273,68 @@ class LoadKernel:
         row = np.repeat(np.arange(self.dofs), len(column))
         variables, columns = np.tile(variable, self.dofs), np.tile(column, self.dofs)
         return row, columns, row * self.reduced + variables, b[variables, columns]
+
+
+@dataclass(frozen=True)
+class RateKernel:
+    """Strains that resist their rates: r = sum_kl (de_k/dq) V_kl (de_l/dt).
+
+    Loops form the rates from the velocities. The residual and both tangents follow from what the kernel
+    returns, whatever the strains are.
+
+    Attributes:
+        function: ``f(y, a, p, w) -> (slopes, curvature, viscosities)``, tuples: the gradient (R) and the
+            packed Hessian R(R+1)/2 to y of sum_k w_k e_k, and the upper triangle of V by rows.
+        elastic: Energy of the same strains: its stencil is this one's.
+        strains: Number of strains.
+        constants: Names of p.
+    """
+
+    function: Callable[[Any, Any, Any, Any], Any]
+    elastic: Kernel
+    strains: int
+    constants: tuple[str, ...]
+
+    @cached_property
+    def parameters(self) -> Parameters:
+        """Names of p."""
+        return Parameters(self.constants)
+
+    @property
+    def dimension(self) -> int:
+        """Components of an edge vector."""
+        return self.elastic.dimension
+
+    @property
+    def nodes(self) -> int:
+        """Nodes per stencil."""
+        return self.elastic.nodes
+
+    @property
+    def vectors(self) -> tuple[tuple[int, int], ...]:
+        """Edge vectors as (tail, head) local nodes."""
+        return self.elastic.vectors
+
+    @property
+    def auxiliaries(self) -> int:
+        """Inputs taken from the trial frames."""
+        return self.elastic.auxiliaries
+
+    @property
+    def reduced(self) -> int:
+        """Number R of reduced variables."""
+        return self.elastic.reduced
+
+    @property
+    def dofs(self) -> int:
+        """Number D of DOFs per stencil."""
+        return self.elastic.dofs
+
+    @cached_property
+    def tangent_table(self) -> tuple[IntArray, IntArray, IntArray, FloatArray]:
+        """Entries (row DOF, column DOF, index by rows of K, factor) of K_local = B^T K B."""
+        b, r = self.elastic.reduction, self.reduced
+        variable, dof = np.nonzero(b)
+        count = len(dof)
+        i, j = np.repeat(np.arange(count), count), np.tile(np.arange(count), count)
+        return dof[i], dof[j], variable[i] * r + variable[j], b[variable[i], dof[i]] * b[variable[j], dof[j]]

@@ -1,13 +1,15 @@
-"""All elastic energies of a scene."""
+"""All elastic energies of a scene, and the damping of its materials."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 from ...model.driven import DrivenEnergy
+from ...model.rate import ViscousStress
 from ...model.stencil import StencilEnergy
 from ..scene import Scene
 from ..structure.structure import Structure
+from .damping import damping_terms
 from .rod_drives import driven_rods
 from .rods import RodEnergies, rod_energies
 from .seams import seam_energies
@@ -24,10 +26,12 @@ class Elastic:
     Attributes:
         rods: Those of the rods, at rest.
         terms: All of them, driven where the scenario actuates them.
+        damping: What their materials resist rates of strain with.
     """
 
     rods: RodEnergies
     terms: tuple[StencilEnergy | DrivenEnergy, ...]
+    damping: tuple[ViscousStress, ...]
 
 
 def make_elastic(scene: Scene, structure: Structure) -> Elastic:
@@ -44,4 +48,4 @@ def make_elastic(scene: Scene, structure: Structure) -> Elastic:
         *driven_shells(scene, structure, shells),
         *seam_energies(structure),
     )
-    return Elastic(rods, terms)
+    return Elastic(rods, terms, damping_terms(scene, structure, rods, shells))

@@ -106,7 +106,8 @@ def make_plan(scene: Scene, holds: tuple[Hold, ...], kernels: str | None = None)
     static = isinstance(scenario.numerics.integrator, Static)
     if static:
         decisions.append(Decision("no inertia", "static: mass enters the weight only"))
-    if not any(force.velocity_dependent for force in scenario.forces):
+    viscous = any(material.relaxation_time > 0.0 for material in scenario.materials.values())
+    if not viscous and not any(force.velocity_dependent for force in scenario.forces):
         decisions.append(Decision("no damping matrix", "no force depends on velocity"))
     warnings = list(scene_doubts(scene, holds))
     kernels, why = (kernels, "as in the resumed run") if kernels else _kernels(scene, warnings)
@@ -164,6 +165,10 @@ def _needs_frames(scene: Scene, holds: tuple[Hold, ...]) -> str:
         natural = rod.natural
         if any(value is not None for value in (natural.curvature_1, natural.curvature_2, natural.twist)):
             return f"rod '{rod.name}' has natural curvature or twist"
+        if scenario.materials[rod.material].relaxation_time > 0.0 and not isinstance(
+            scenario.numerics.integrator, Static
+        ):
+            return f"the material of rod '{rod.name}' damps curvature as the rod itself sees it"
     hung, places = _hung(geometry)
     triples, _, _ = rod_stencils(len(places), hung)
     if len(triples) and joint_angles(geometry.nodes[places], triples).max() > _STRAIGHT:

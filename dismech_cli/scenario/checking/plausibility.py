@@ -37,6 +37,11 @@ def doubts(scenario: Scenario) -> Iterator[Finding]:
     yield from _thinness(scenario)
     if not isinstance(scenario.numerics.integrator, Static):
         yield from _inertia(scenario)
+    else:
+        for name, material in scenario.materials.items():
+            if material.relaxation_time > 0.0:
+                message = "damping depends on velocity: it does nothing in a static run"
+                yield ("materials", name, "relaxation_time"), message
     for i, force in enumerate(scenario.forces):
         if isinstance(force, Gravity):
             numbers = [a for a in force.acceleration if isinstance(a, float)]

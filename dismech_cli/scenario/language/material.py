@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from ..values.quantity import Quantity
+from ..values.quantity import Quantity, Time
 from ..values.spec import Spec, problem
 from ..values.varying import VaryingDensity, VaryingModulus
 
@@ -22,6 +22,13 @@ class Material(Spec):
         description="How it stretches: `st_venant_kirchhoff` stress proportional to strain, for strains up "
         "to about 20 %; `neo_hookean` incompressible rubber, up to stretches of about 3, thinner as it "
         "stretches. Bending and twisting keep the stiffness of the rest shape.",
+    )
+
+    relaxation_time: Time = Field(
+        default=0.0,
+        description="Material damping (Kelvin and Voigt): to the stress of a strain adds that of this time its "
+        "rate, in stretching, bending and twisting alike; it damps a mode of angular frequency w by the ratio "
+        "w/2 times it. Statics do not know it.",
     )
 
     @model_validator(mode="after")
