@@ -60,3 +60,97 @@ def test_decay_of_a_mode(tmp_path: Path, keys: Deck) -> None:
     zeta = 0.05
     t, w = swing(tmp_path, 41, 100, materials=material(2.0 * zeta / OMEGA), **keys)
     assert_allclose(decrement(t, w), 2.0 * np.pi * zeta / np.sqrt(1.0 - zeta**2), rtol=1e-2)
+
+
+TAU = 0.1
+LIGHT = {"density": 1.0, "poisson_ratio": 0.3}
+STATIC: Deck = {"integrator": {"type": "static", "load_steps": 1}}
+CREEP: Deck = {"integrator": {"type": "tr_bdf2"}, "dt": TAU / 40, "t_end": TAU}
+
+
+def pulled(nodes: int, model: str = "st_venant_kirchhoff") -> Deck:
+    """A rod under a force along it."""
+    rubber = {"poisson_ratio": 0.5} if model == "neo_hookean" else {}
+    return rod_deck(
+        line(nodes, (LENGTH, 0.0, 0.0)),
+        {"type": "round", "radius": RADIUS},
+        materials=material(TAU, **LIGHT | rubber | {"model": model}),
+        forces=[{"type": "point", "where": "rod.end", "force": [1e-4, 0.0, 0.0]}],
+        output={"every": TAU, "probes": {"u": {"displacement": "rod.end", "component": "x"}}},
+    )
+
+
+def twisted() -> Deck:
+    """A rod under a moment about it."""
+    return pulled(5) | {
+        "dimension": 3,
+        "forces": [{"type": "moment", "where": "rod.end", "moment": [1e-8, 0.0, 0.0]}],
+        "output": {"every": TAU, "probes": {"u": {"twist": "rod"}}},
+    }
+
+
+def framed(dimension: int, bend: str = "corner") -> Deck:
+    """Two rods at an angle, loaded at the free end."""
+    deck = pulled(3) | {"dimension": dimension}
+    points = [[0.0, 0.0, 0.0], [LENGTH, 0.0, 0.0], [LENGTH, 0.0, LENGTH]]
+    deck["geometry"][0]["generate"] = {"shape": "polyline", "points": points, "spacing": LENGTH / 5}
+    deck["forces"] = [{"type": "point", "where": "rod.end", "force": [1e-7, 0.0, 0.0]}]
+    return deck
+
+
+def sheet(bending: str, membrane: str, force: list[float], model: str = "st_venant_kirchhoff") -> Deck:
+    """A strip clamped at its left, loaded at its right."""
+    axis = "xyz"[int(np.argmax(force))]
+    rubber = {"poisson_ratio": 0.5} if model == "neo_hookean" else {}
+    return {
+        "schema_version": 1,
+        "name": "strip",
+        "materials": material(TAU, **LIGHT | rubber | {"model": model}),
+        "geometry": [
+            {
+                "type": "shell",
+                "name": "rod",
+                "material": "m",
+                "thickness": 2e-3,
+                "bending": bending,
+                "membrane": membrane,
+                "generate": {
+                    "shape": "sheet",
+                    "origin": [0.0, 0.0, 0.0],
+                    "length": LENGTH,
+                    "width": 0.4 * LENGTH,
+                    "divisions": 6,
+                    "pattern": "equilateral",
+                },
+            }
+        ],
+        "motions": [{"type": "clamp", "where": {"box": {"min": [-1, -1, -1], "max": [0.019, 1, 1]}}}],
+        "forces": [{"type": "point", "where": "rod.right", "force": force}],
+        "output": {"every": TAU, "probes": {"u": {"displacement": "rod.right", "component": axis}}},
+    }
+
+
+ACROSS, ALONG = [0.0, 0.0, 1e-7], [1e-4, 0.0, 0.0]
+CREEPING = {
+    "pulled": pulled(2),
+    "pulled, nine nodes": pulled(9),
+    "pulled rubber": pulled(5, "neo_hookean"),
+    "twisted": twisted(),
+    "planar corner": framed(2),
+    "corner": framed(3),
+    "midedge": sheet("midedge", "cst", ACROSS),
+    "hinge": sheet("hinge", "springs", ACROSS),
+    "averaged": sheet("averaged", "family", ACROSS),
+    "membrane": sheet("hinge", "cst", ALONG),
+    "springs": sheet("hinge", "springs", ALONG),
+    "rubber membrane": sheet("hinge", "cst", ALONG, "neo_hookean"),
+}
+
+
+@pytest.mark.parametrize("name", CREEPING)
+def test_creep(tmp_path: Path, name: str) -> None:
+    """Under a sudden small load, what has no inertia to speak of goes as 1 - exp(-t/tau), on any mesh."""
+    deck = CREEPING[name]
+    rest = scalar(solve(tmp_path, deck | {"numerics": STATIC}), "u")[-1]
+    there = scalar(solve(tmp_path, deck | {"numerics": CREEP}), "u")[-1]
+    assert_allclose(there / rest, 1.0 - np.exp(-1.0), rtol=5e-3)
