@@ -181,7 +181,13 @@ def turning(energy: StencilEnergy, model: Model) -> tuple[np.ndarray, np.ndarray
     return ends.reshape(-1, 2), angles.reshape(-1)
 
 
-@pytest.mark.parametrize("name", CASES)
+# one of one strain, one of three with frames; the others compile for half a minute each
+QUICK = ("bend_planar", "stretch", "bend_twist")
+
+
+@pytest.mark.parametrize(
+    "name", [name if name in QUICK else pytest.param(name, marks=pytest.mark.slow) for name in CASES]
+)
 def test_both_drivers(name: str) -> None:
     pytest.importorskip("numba")
     from dismech_cli.kernels.numba_driver import NumbaDriver

@@ -12,6 +12,7 @@ from numpy.testing import assert_allclose
 from order import observed_order
 
 from dismech_cli.arrays import FloatArray
+from dismech_cli.session.report import Report
 
 LENGTH, RADIUS, MODULUS, DENSITY = 0.1, 2e-3, 1e6, 1000.0
 BETA = 1.8751041
@@ -89,7 +90,12 @@ def twisted() -> Deck:
     }
 
 
-def framed(dimension: int, bend: str = "corner") -> Deck:
+def driven() -> Deck:
+    """A rod whose natural length grows at once: it follows with the lag tau."""
+    return pulled(5) | {"forces": [], "actuation": [{"type": "stretch", "rod": "rod", "value": 1e-4}]}
+
+
+def framed(dimension: int) -> Deck:
     """Two rods at an angle, loaded at the free end."""
     deck = pulled(3) | {"dimension": dimension}
     points = [[0.0, 0.0, 0.0], [LENGTH, 0.0, 0.0], [LENGTH, 0.0, LENGTH]]
@@ -136,6 +142,7 @@ CREEPING = {
     "pulled, nine nodes": pulled(9),
     "pulled rubber": pulled(5, "neo_hookean"),
     "twisted": twisted(),
+    "driven": driven(),
     "planar corner": framed(2),
     "corner": framed(3),
     "midedge": sheet("midedge", "cst", ACROSS),
@@ -154,3 +161,51 @@ def test_creep(tmp_path: Path, name: str) -> None:
     rest = scalar(solve(tmp_path, deck | {"numerics": STATIC}), "u")[-1]
     there = scalar(solve(tmp_path, deck | {"numerics": CREEP}), "u")[-1]
     assert_allclose(there / rest, 1.0 - np.exp(-1.0), rtol=5e-3)
+
+
+@pytest.mark.parametrize(
+    ("integrator", "order"),
+    [
+        ("implicit_euler", 1.0),
+        ("implicit_midpoint", 2.0),
+        ("newmark", 2.0),
+        ("generalized_alpha", 2.0),
+        ("tr_bdf2", 2.0),
+    ],
+)
+def test_order_in_time(tmp_path: Path, integrator: str, order: float) -> None:
+    """A large swing, damped by a tenth of critical; differences of steps halved."""
+    ends = []
+    steps = np.array([50, 100, 200, 400])
+    period = 2.0 * np.pi / OMEGA
+    for count in steps:
+        dt = 0.5 * period / count
+        numerics = {"integrator": {"type": integrator}, "dt": dt, "t_end": 0.5 * period}
+        result = swing_far(tmp_path, numerics, 0.2 / OMEGA)
+        ends.append(result.frames[-1].positions[-1])
+    differences = np.linalg.norm(np.diff(ends, axis=0), axis=1)
+    assert abs(observed_order(1.0 / steps[:-1], differences) - order) < 0.15
+
+
+def swing_far(folder: Path, numerics: Deck, time: float, **keys: Any) -> Report:
+    """A cantilever of five nodes let go under a weight that bends it by a third of its length."""
+    base = {
+        "materials": material(time),
+        "forces": [{"type": "gravity", "acceleration": [0.0, 0.0, -1.0]}],
+        "numerics": numerics,
+        "output": {"every": numerics["t_end"] / 20},
+    }
+    return solve(
+        folder, rod_deck(line(5, (LENGTH, 0.0, 0.0)), {"type": "round", "radius": RADIUS}, **base | keys)
+    )
+
+
+def test_what_damping_takes_is_booked(tmp_path: Path) -> None:
+    """Kinetic, elastic and potential energy and what was dissipated keep their sum; nothing comes back."""
+    period = 2.0 * np.pi / OMEGA
+    numerics = {"integrator": {"type": "tr_bdf2"}, "dt": period / 200, "t_end": 3.0 * period}
+    result = swing_far(tmp_path, numerics, 0.2 / OMEGA)
+    lost, error = scalar(result, "dissipation"), scalar(result, "error")
+    assert (np.diff(lost) >= 0.0).all()
+    assert lost[-1] > 0.25 * np.abs(scalar(result, "gravitational")).max()
+    assert np.abs(error).max() < 2e-3 * lost[-1]

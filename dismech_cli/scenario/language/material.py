@@ -26,9 +26,9 @@ class Material(Spec):
 
     relaxation_time: Time = Field(
         default=0.0,
-        description="Material damping (Kelvin and Voigt): to the stress of a strain adds that of this time its "
-        "rate, in stretching, bending and twisting alike; it damps a mode of angular frequency w by the ratio "
-        "w/2 times it. Statics do not know it.",
+        description="Material damping (Kelvin and Voigt): a strain that changes adds the stress of this time "
+        "its rate, in stretching, bending and twisting alike; it damps a mode of angular frequency w by the "
+        "ratio w/2 times it. Statics do not know it.",
     )
 
     @model_validator(mode="after")
