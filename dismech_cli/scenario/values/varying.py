@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from itertools import pairwise
 from typing import Annotated, Any, Final, Literal, TypeAlias
 
@@ -21,6 +22,9 @@ PLACES: Final = ("x", "y", "z", "r")
 """Variables of space: the position at rest [m], and r = sqrt(x^2 + y^2)."""
 
 
+_UNIT: Final = re.compile(r"\d\s*[A-Za-zµ]")
+
+
 class ByExpression(Spec):
     """Arithmetic in SI units, as in a law, of the place at rest: x, y, z, r = sqrt(x^2 + y^2), and on a rod
     that does not branch s, 0 to 1 along it, and arc, the length from its start."""  # noqa: D205, D209
@@ -33,7 +37,8 @@ class ByExpression(Spec):
         try:
             compile_expression(text, (*ALONG, *PLACES))
         except ExpressionError as error:
-            raise problem(f"{error.reason} (at column {error.column} of the expression)") from None
+            hint = "; its numbers are in SI units and carry none" if _UNIT.search(text) else ""
+            raise problem(f"{error.reason} (at column {error.column} of the expression){hint}") from None
         return text
 
 
@@ -43,7 +48,7 @@ class ByTable(Spec):
     of: Literal["s", "arc", "x", "y", "z", "r"] = Field(
         description="The place: s, 0 to 1 along a rod; arc, the length from its start; the position at rest."
     )
-    table: Annotated[tuple[PlaceRow, ...], Len(2, 1_000_000), Strict(False)] = Field(
+    table: Annotated[tuple[PlaceRow, ...], Len(1, 1_000_000), Strict(False)] = Field(
         description="Rows of place and value, the places increasing."
     )
     interpolation: Literal["linear", "step", "cubic"] = Field(
@@ -65,6 +70,8 @@ class ByTable(Spec):
     @field_validator("table", mode="after")
     @classmethod
     def _ascending(cls, table: tuple[tuple[float, ...], ...], info: ValidationInfo) -> Any:
+        if len(table) < 2:
+            raise problem("a table of places needs at least two rows; for one value write it alone")
         for (before, *_), (after, *_) in pairwise(table):
             if after <= before:
                 raise problem(f"the places of a table must increase, but {after:g} follows {before:g}")
