@@ -104,6 +104,18 @@ def framed(dimension: int) -> Deck:
     return deck
 
 
+def hub(dimension: int) -> Deck:
+    """Three rods welded at one node, two of them loaded."""
+    deck = pulled(5) | {"dimension": dimension, "joints": []}
+    for name, end in (("up", LENGTH), ("down", -LENGTH)):
+        branch = line(5, (1.5 * LENGTH, 0.0, end)) | {"from": [LENGTH, 0.0, 0.0]}
+        deck["geometry"].append(deck["geometry"][0] | {"name": name, "generate": branch})
+        deck["joints"].append({"type": "rigid", "nodes": ["rod.end", f"{name}.start"]})
+    deck["forces"] = [{"type": "point", "where": "up.end", "force": [0.0, 0.0, 1e-7]}]
+    deck["output"] = {"every": TAU, "probes": {"u": {"displacement": "up.end", "component": "z"}}}
+    return deck
+
+
 def sheet(bending: str, membrane: str, force: list[float], model: str = "st_venant_kirchhoff") -> Deck:
     """A strip clamped at its left, loaded at its right."""
     axis = "xyz"[int(np.argmax(force))]
@@ -145,6 +157,8 @@ CREEPING = {
     "driven": driven(),
     "planar corner": framed(2),
     "corner": framed(3),
+    "planar hub": hub(2),
+    "hub": hub(3),
     "midedge": sheet("midedge", "cst", ACROSS),
     "hinge": sheet("hinge", "springs", ACROSS),
     "averaged": sheet("averaged", "family", ACROSS),

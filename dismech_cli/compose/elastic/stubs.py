@@ -12,7 +12,7 @@ from ...kernels.shape import Kernel
 from ...model.stencil import StencilEnergy
 from ..scene import Scene
 from ..structure.structure import Structure
-from .joints import node_dofs
+from .joints import node_dofs, of_edges
 
 _KERNELS: Mapping[int, Kernel] = {
     2: replace(STRETCH_PLANAR, shares=("stretch",)),
@@ -26,9 +26,10 @@ def stub_springs(scene: Scene, structure: Structure) -> Iterator[StencilEnergy]:
     if not len(skeleton.hubs):
         return
     corners, stubs = skeleton.corners, skeleton.stubs
-    bending = np.array([max(p.bending_1, p.bending_2) for p in scene.geometry.properties])
+    one, two = (of_edges(scene.geometry, skeleton, name) for name in ("bending_1", "bending_2"))
+    bending = np.maximum(one, two)[corners.pairs[:, 0]]
     stiffness = np.zeros(len(skeleton.edges))
-    np.add.at(stiffness, corners.pairs[:, 1], bending[corners.rods[:, 0]] / corners.voronoi)
+    np.add.at(stiffness, corners.pairs[:, 1], bending / corners.voronoi)
     length = skeleton.rest_lengths[stubs]
     yield StencilEnergy.of(
         "stubs",
