@@ -191,3 +191,20 @@ def test_welds_take_the_local_section(tmp_path: Path) -> None:
     assert_allclose(weld.parameter("K_0").sum(), own.torsional[0] / 0.125, rtol=1e-13)
     assert_allclose(weld.parameter("K_1").sum(), own.bending_2[0] / 0.125, rtol=1e-13)
     assert own.torsional[0] > 7.0 * own.torsional[-1]
+
+
+def test_s_runs_once_round_a_ring(tmp_path: Path) -> None:
+    ring = {
+        "shape": "arc",
+        "center": [0.0, 0.0, 0.0],
+        "radius": 1.0,
+        "normal": [0.0, 1.0, 0.0],
+        "start": [1.0, 0.0, 0.0],
+        "angle": "360 deg",
+        "closed": True,
+        "nodes": 8,
+    }
+    section = {"type": "round", "radius": {"of": "s", "table": [[0.0, 1e-2], [1.0, 2e-2]]}}
+    made = composed(tmp_path, rod_deck(ring, section, dimension=3, motions=[]))
+    middles = 1e-2 * (1.0 + (np.arange(8) + 0.5) / 8.0)
+    assert_allclose(np.sort(made.geometry.per_edge("radius")), middles, rtol=1e-12)

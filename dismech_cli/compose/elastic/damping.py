@@ -2,7 +2,8 @@
 
 Where rods of several relaxation times meet at a joint, either half of it counts by its share of the turn:
 their mean dissipates what they do as long as the motion is slow against them. The material of rubber
-damps with the stiffness that it has at rest. Welds of rods to shells, whose length is none, damp nothing.
+damps with the stiffness that it has at rest. The half of an edge that bends where a rod is welded to a shell
+damps nothing: the less of it, the finer the mesh.
 """
 
 from __future__ import annotations
