@@ -80,6 +80,15 @@ WRONG = {
     "list for a number": ("radius: 1 mm", "radius: [1 mm]"),
     "unit in a vector": ("to: [100 mm, 0, 0]", "to: [100 ms, 0, 0]"),
     "two components": ("to: [100 mm, 0, 0]", "to: [100 mm, 0]"),
+    "unit in a table of places": ("radius: 1 mm", "radius: {of: s, table: [[0, 1 mm], [1, 1 s]]}"),
+    "unit of a place": ("radius: 1 mm", "radius: {of: x, table: [[0, 1 mm], [1 s, 1 mm]]}"),
+    "unknown place": ("radius: 1 mm", "radius: {of: t, table: [[0, 1 mm], [1, 1 mm]]}"),
+    "table without its place": ("radius: 1 mm", "radius: {table: [[0, 1 mm], [1, 1 mm]]}"),
+    "unit of a group": ("radius: 1 mm", "radius: {value: 1 mm, groups: {beam.end: 1 s}}"),
+    "sign of a group": ("radius: 1 mm", "radius: {value: 1 mm, groups: {beam.end: -1 mm}}"),
+    "two ways to vary": ("radius: 1 mm", "radius: {expression: '0.001', groups: {beam.end: 1 mm}}"),
+    "unit of a relaxation time": ("youngs_modulus: 2 MPa", "youngs_modulus: 2 MPa, relaxation_time: 1 mm"),
+    "sign of a relaxation time": ("youngs_modulus: 2 MPa", "youngs_modulus: 2 MPa, relaxation_time: -1 s"),
     "unit of a law": ("[0, 0, -9.81]", "[0, 0, -9.81 m/s]"),
     "unit in a ramp": ("[0, 0, -9.81]", "[0, 0, {ramp: {from: 0, to: 5 mm, end: 1 s}}]"),
     "unit of a time in a ramp": ("[0, 0, -9.81]", "[0, 0, {ramp: {from: 0, to: 5, end: 1 mm}}]"),
@@ -121,6 +130,21 @@ WRONG = {
         "where: beam.start, rotations: [{axis: [1, 0, 0], angle: 1 mm}]}",
     ),
 }
+
+
+VARYING = (
+    "{expression: '0.001*(2 - s)'}",
+    "{of: s, table: [[0, 1 mm], [50 %, 2e-3], [1, 0.5 mm]], interpolation: cubic}",
+    "{of: x, table: [[-1 cm, 1 mm], [0.1, 2 mm]]}",
+    "{value: 1 mm, groups: {end: 2 mm}}",
+)
+
+
+@pytest.mark.parametrize("radius", VARYING)
+def test_values_that_vary(radius: str) -> None:
+    text = SCENE.replace("radius: 1 mm", f"radius: {radius}")
+    load_text(text)
+    assert accepts(text)
 
 
 @pytest.mark.parametrize("name", WRONG)

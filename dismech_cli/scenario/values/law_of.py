@@ -92,7 +92,7 @@ class _PositiveFieldQuantity(_FieldQuantity):
     def __get_pydantic_json_schema__(
         self, schema: CoreSchema, handler: GetJsonSchemaHandler
     ) -> JsonSchemaValue:
-        return {"anyOf": [{"type": "number", "exclusiveMinimum": 0}, {"type": "string"}]}
+        return {"anyOf": [{"type": "number", "exclusiveMinimum": 0}, {"type": "string"}], OF_FIELD: True}
 
 
 def _read_positive(value: object) -> float:
@@ -108,9 +108,11 @@ class Pair:
 
     Attributes:
         first: Quantity of the first.
+        or_else: What else the first may be, where another key says so; read before as a plain number.
     """
 
     first: str
+    or_else: tuple[str, ...] = ()
 
     def read(self, pair: object) -> tuple[float, float]:
         """Both in SI units.
@@ -133,13 +135,10 @@ class Pair:
     def __get_pydantic_json_schema__(
         self, schema: CoreSchema, handler: GetJsonSchemaHandler
     ) -> JsonSchemaValue:
-        time = {
-            "anyOf": [{"type": "number"}, {"type": "string"}],
-            "x-unit": KINDS["time"].unit,
-            "x-quantity": "time",
-        }
-        value = {"anyOf": [{"type": "number"}, {"type": "string"}], OF_FIELD: True}
-        return {"type": "array", "items": {"anyOf": [time, value]}, "minItems": 2, "maxItems": 2}
+        text: dict[str, Any] = {"anyOf": [{"type": "number"}, {"type": "string"}]}
+        firsts = [text | {"x-unit": KINDS[name].unit, "x-quantity": name} for name in (self.first, *self.or_else)]
+        items = {"anyOf": [*firsts, text | {OF_FIELD: True}]}
+        return {"type": "array", "items": items, "minItems": 2, "maxItems": 2}
 
 
 @dataclass(frozen=True, slots=True)
@@ -152,4 +151,4 @@ class PositivePair(Pair):
 
 
 Row: TypeAlias = Annotated[tuple[float, ...], Pair("time")]
-PlaceRow: TypeAlias = Annotated[tuple[float, ...], PositivePair("length")]
+PlaceRow: TypeAlias = Annotated[tuple[float, ...], PositivePair("length", ("ratio",))]

@@ -61,11 +61,10 @@ class _Definitions:
             quantity: That of the law that it is in.
         """
         own = node.get("x-quantity")
-        if OF_FIELD in node:
-            return self._text(quantity or "ratio", {"type": "number"}, {})
-        if own is not None and "oneOf" not in node:
+        if OF_FIELD in node or (own is not None and "oneOf" not in node):
             number = next(part for part in node["anyOf"] if part.get("type") == "number")
-            return self._text(own, number, {key: node[key] for key in node if key != "anyOf"})
+            kept = {key: node[key] for key in node if key not in ("anyOf", OF_FIELD)}
+            return self._text(own or quantity or "ratio", number, kept)
         law = own or quantity
         if "$ref" in node:
             return node | {"$ref": _REF + self._named(node["$ref"].rpartition("/")[2], law)}
