@@ -169,7 +169,7 @@ def test_a_localised_helix_on_two_meshes(kind: str) -> None:
         ran(
             load(
                 VERIFICATION / f"localised_helix_{kind}.yaml",
-                overrides=(f"geometry.0.generate.nodes={nodes}",),
+                overrides=(f"geometry[0].generate.nodes={nodes}",),
             ),
             kept,
         )
