@@ -88,17 +88,17 @@ class _Step:
     def take(self, start: State, length: float) -> StepResult:
         result, begun = self._begun(start)
         if result.status is not Status.CONVERGED:
-            return self._gave_up(start, result)
+            return _stayed(self._spent, start, result)
         result, end = self._ahead(begun, length)
         if result.status is not Status.CONVERGED:
-            return self._gave_up(start, result)
+            return _stayed(self._spent, start, result)
         branches = branches_passed(self._stepper, begun, end)
         if branches is None:
-            return self._gave_up(start, replace(result, status=Status.BRANCHED))
+            return _stayed(self._spent, start, replace(result, status=Status.BRANCHED))
         for goal in self._path.goals:
             if goal.left(begun) * goal.left(end) <= 0.0 and goal.left(begun) != 0.0:
                 return self._land(begun, goal, (length, result, end), branches)
-        return self._step(result, end, branches)
+        return _went(self._spent, result, end, branches)
 
     def _begun(self, start: State) -> tuple[NewtonResult, State]:
         """The start with the direction of the path there; at first, in balance with what does not wait."""
@@ -133,13 +133,13 @@ class _Step:
             length = (low * above - high * below) / (above - below)
             result, end = self._ahead(start, length)
             if result.status is not Status.CONVERGED:
-                return self._gave_up(start, result)
+                return _stayed(self._spent, start, result)
             left = goal.left(end)
             if left * above > 0.0:
                 high, above, below, kept = length, left, (0.5 * below if kept == 1 else below), 1
             else:
                 low, below, above, kept = length, left, (0.5 * above if kept == -1 else above), -1
-        return self._step(result, end, branches, arrived=True)
+        return _went(self._spent, result, end, branches, arrived=True)
 
     def _ahead(self, start: State, length: float) -> tuple[NewtonResult, State]:
         """The state on the path at some length from a directed start, if the way to it is straight."""
@@ -229,17 +229,19 @@ class _Step:
         change = _DIFFERENCE * self._path.whole * (1.0 if heading >= 0.0 else -1.0)
         return load_slope(problem, self._stepper.predictor, since, q, change, factors)
 
-    def _step(
-        self, result: NewtonResult, end: State, branches: FloatArray, *, arrived: bool = False
-    ) -> StepResult:
-        norm, residual = result.residual_norm, result.residual
-        end = replace(end, memory={**end.memory, "path.branches": branches})
-        return StepResult(end, Status.CONVERGED, self._spent, norm, residual, -1, arrived=arrived)
 
-    def _gave_up(self, start: State, result: NewtonResult) -> StepResult:
-        return StepResult(
-            start, result.status, self._spent, result.residual_norm, result.residual, result.worst
-        )
+def _went(
+    spent: int, result: NewtonResult, end: State, branches: FloatArray, *, arrived: bool = False
+) -> StepResult:
+    """A step that came to its end, after so many factorisations."""
+    norm, residual = result.residual_norm, result.residual
+    end = replace(end, memory={**end.memory, "path.branches": branches})
+    return StepResult(end, Status.CONVERGED, spent, norm, residual, -1, arrived=arrived)
+
+
+def _stayed(spent: int, start: State, result: NewtonResult) -> StepResult:
+    """A step that came to none."""
+    return StepResult(start, result.status, spent, result.residual_norm, result.residual, result.worst)
 
 
 def direction_at(state: State) -> Way:
