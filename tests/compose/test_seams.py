@@ -71,10 +71,15 @@ CLAMP = {"type": "clamp", "where": _at(0.0)}
 PULLED = {"type": "line", "where": _at(0.1), "force_per_length": [0, 0, LOAD / WIDTH]}
 
 
+VARYING = {"of": "x", "table": [[0.0, 1.1 * H], [0.04, 0.9 * H], [0.1, 1.3 * H]]}
+
+
 @pytest.mark.parametrize(
     "model", [{"bending": "midedge"}, {"bending": "hinge"}, {"bending": "hinge", "hinges": "weighted"}]
 )
-def test_two_halves_welded_are_one_sheet(value: Any, model: Deck) -> None:
+@pytest.mark.parametrize("thickness", [H, VARYING])
+def test_two_halves_welded_are_one_sheet(value: Any, model: Deck, thickness: Any) -> None:
+    model = model | {"thickness": thickness}
     held = [{"type": "clamp", "where": {"box": {"min": [-1, -1, -1], "max": [0.0101, 1, 1]}}}]
     heavy = {"type": "line", "where": _at(0.1), "force_per_length": [0, 0, 40 * LOAD / WIDTH]}
     common: Deck = {"motions": held, "forces": [heavy], "expect": _measure(_at(0.1))}
