@@ -136,7 +136,9 @@ class Pair:
         self, schema: CoreSchema, handler: GetJsonSchemaHandler
     ) -> JsonSchemaValue:
         text: dict[str, Any] = {"anyOf": [{"type": "number"}, {"type": "string"}]}
-        firsts = [text | {"x-unit": KINDS[name].unit, "x-quantity": name} for name in (self.first, *self.or_else)]
+        firsts = [
+            text | {"x-unit": KINDS[name].unit, "x-quantity": name} for name in (self.first, *self.or_else)
+        ]
         items = {"anyOf": [*firsts, text | {OF_FIELD: True}]}
         return {"type": "array", "items": items, "minItems": 2, "maxItems": 2}
 
