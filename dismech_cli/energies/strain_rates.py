@@ -30,6 +30,7 @@ from .metric import by_edges
 from .midedge import MIDEDGE, midedge
 from .midedge_averaged import MIDEDGE_AVERAGED, around, by_angles
 from .rigid_joint import RIGID_JOINT, rigid_joint
+from .rod_shell import ROD_BESIDE_FACE, ROD_ON_FACE, rod_on_face
 from .stretch import STRETCH, STRETCH_PLANAR, along, along_planar
 
 _S = 1e30
@@ -93,6 +94,24 @@ def rigid_joint_rate(y: Any, a: Any, p: Any, w: Any) -> Any:
 
 
 @kernel
+def rod_on_face_rate(y: Any, a: Any, p: Any, w: Any) -> Any:
+    """Of the turn between a rod and a face: its twist, and what bends beside it."""
+    soft = (
+        -_S * w[0], -_S * w[1], -_S * w[2], _SOFT, _SOFT, _SOFT,
+        p[3], p[4], p[5], p[6], p[7], p[8], p[9], p[10], p[11], p[12], p[13], p[14], p[15],
+    )  # fmt: skip
+    _, slopes, curvature = rod_on_face(y, a, soft)
+    tau = p[16]
+    return slopes, curvature, (tau * p[0], 0.0, 0.0, tau * p[1], 0.0, tau * p[2])
+
+
+@kernel
+def rod_beside_face_rate(y: Any, a: Any, p: Any, w: Any) -> Any:
+    """The same for a face that does not end at the joint."""
+    return rod_on_face_rate(y, a, p, w)
+
+
+@kernel
 def membrane_rate(y: Any, a: Any, p: Any, w: Any) -> Any:
     """Of the three strains of the metric."""
     slopes, curvature = by_edges(y[0:3], y[3:6], w, _NO_SLOPES)
@@ -139,6 +158,8 @@ RATES: Mapping[Kernel, RateKernel] = {
     CORNER_PLANAR: _rate(CORNER_PLANAR, 1, corner_planar_rate),
     BEND_TWIST: _rate(BEND_TWIST, 3, bend_twist_rate),
     RIGID_JOINT: _rate(RIGID_JOINT, 3, rigid_joint_rate),
+    ROD_ON_FACE: _rate(ROD_ON_FACE, 3, rod_on_face_rate),
+    ROD_BESIDE_FACE: _rate(ROD_BESIDE_FACE, 3, rod_beside_face_rate),
     MEMBRANE: _rate(MEMBRANE, 3, membrane_rate),
     HINGE: _rate(HINGE, 1, hinge_rate),
     MIDEDGE: _rate(MIDEDGE, 3, midedge_rate),

@@ -9,11 +9,12 @@ from typing import Any
 import numpy as np
 import pytest
 from decks import STATIC, Deck, line, rod_deck
-from numpy.testing import assert_allclose
+from numpy.testing import assert_allclose, assert_array_equal
 from shell_decks import SHEET, rod, shell_deck
 
 from dismech_cli import load
 from dismech_cli.compose.compose import Composition, compose
+from dismech_cli.compose.shells.topology import find_shell_edges
 from dismech_cli.compose.structure.plan import Bending
 from dismech_cli.errors import ScenarioError
 from dismech_cli.model.rate import ViscousStress
@@ -83,17 +84,84 @@ def test_only_the_rod_that_asks(tmp_path: Path) -> None:
     assert_allclose(np.sort(tau), [5e-3, 1e-2, 1e-2, 1e-2], rtol=1e-14)
 
 
-def test_welds_to_shells_damp_nothing_and_check_says_so(tmp_path: Path) -> None:
+@pytest.mark.parametrize("damped", ["leg", "sheet"])
+def test_welds_to_shells_damp_as_their_rod(tmp_path: Path, damped: str) -> None:
+    """Half an edge of the rod bends there: the shell is the wall."""
     deck = shell_deck(
         geometry=[
-            {"type": "shell", "name": "sheet", "material": "rubber", "thickness": 2e-3, "generate": SHEET},
-            rod([0.0, 0.0, 0.0], [0.0, 0.0, 0.1], "leg"),
+            {"type": "shell", "name": "sheet", "material": "sheet", "thickness": 2e-3, "generate": SHEET},
+            rod([0.0, 0.0, 0.0], [0.0, 0.0, 0.1], "leg") | {"material": "leg"},
         ],
-        joints=[{"type": "rigid", "nodes": ["leg.start", {"nearest": [0.0, 0.0, 0.0]}]}],
+        joints=[{"type": "rigid", "nodes": ["leg.start", {"nearest": [0.0, 0.0, 0.0]}], "footprint": 0.08}],
         numerics=TIMED,
     )
-    for material in deck["materials"].values():
-        material["relaxation_time"] = "10 ms"
+    (rubber,) = deck["materials"].values()
+    deck["materials"] = {"leg": rubber, "sheet": rubber, damped: rubber | {"relaxation_time": "10 ms"}}
+    found = stresses(composed(tmp_path, deck))
+    of_rods = {"stretch damping", "bending and twist damping", "welds damping", "welds.beside damping"}
+    of_sheets = {"sheet.membrane damping", "sheet.bending damping"}
+    assert set(found) == (of_rods if damped == "leg" else of_sheets)
+    if damped == "leg":
+        assert_array_equal(found["welds damping"].parameters[-1], 1e-2)
+
+
+FIN = {"axes": [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0]], "origin": [0.1, 0.0, 0.0]}
+
+
+@pytest.mark.parametrize("times", [(0.0, 0.0, 0.3), (0.2, 0.0, 0.0), (0.1, 0.2, 0.3), (0.2, 0.2, 0.2)])
+@pytest.mark.parametrize("whole", [False, True])
+def test_sheets_that_meet_damp_each_on_its_side(
+    tmp_path: Path, times: tuple[float, ...], whole: bool
+) -> None:
+    """Hinges between pairs dissipate what halves against a joint do that is where elasticity has it."""
+    flat = {"pattern": "right", "length": 0.1, "width": 0.05, "divisions": 2}
+    strips = {"left": {}, "right": {"origin": [0.1, 0.0, 0.0]}, "fin": FIN}
+    if whole:  # the fin stands inside one sheet, whose own hinges are between the others
+        strips = {"left": {"length": 0.2, "divisions": 4}, "fin": FIN}
+        times = (times[0], times[2])
+    thick = dict(zip(strips, (1e-3, 2e-3, 1.5e-3) if not whole else (1e-3, 1.5e-3), strict=True))
+    shells = [
+        {
+            "type": "shell",
+            "name": name,
+            "material": name,
+            "thickness": thick[name],
+            "bending": "hinge",
+            "generate": SHEET | flat | strip,
+        }
+        for name, strip in strips.items()
+    ]
+    deck = shell_deck(
+        geometry=shells,
+        joints=[{"type": "seam", "shells": list(strips), "bending": "weld"}],
+        numerics=TIMED,
+    )
+    (rubber,) = deck["materials"].values()
+    deck["materials"] = {
+        name: rubber | {"relaxation_time": time} for name, time in zip(strips, times, strict=True)
+    }
     made = composed(tmp_path, deck)
-    assert {"sheet.membrane damping", "sheet.bending damping", "stretch damping"} <= set(stresses(made))
-    assert "no damping in welds of rods to shells" in [decision.what for decision in made.plan.decisions]
+    seam = find_shell_edges(made.geometry).seams
+    place = {
+        tuple(sorted(triangle)): int(made.geometry.triangle_shell[k])
+        for k, triangle in enumerate(made.geometry.triangles)
+    }
+    # power of one edge of the seam, as a form in the angles of the triangles there
+    seam_edge = tuple(sorted(seam.hinges[0, :2]))
+    faces = [key for key in place if set(seam_edge) <= set(key)]
+    form = np.zeros((len(faces), len(faces)))
+    for name, term in stresses(made).items():
+        if "membrane" in name:
+            continue
+        stiffness, tau = term.parameters[0], term.parameters[-1]
+        nodes = term.dofs[:, ::3] // 3
+        for hinge, weight in zip(nodes, stiffness * tau, strict=True):
+            if tuple(sorted(hinge[:2])) == seam_edge:
+                one, two = (faces.index(tuple(sorted((*hinge[:2], tip)))) for tip in hinge[2:])
+                form[[one, two], [one, two]] += weight
+                form[[one, two], [two, one]] -= weight
+    k = np.array([2.0 * 1e6 * list(thick.values())[place[f]] ** 3 / (6.0 * np.sqrt(3.0)) for f in faces])
+    tau = np.array([times[place[f]] for f in faces])
+    turns = np.eye(len(faces)) - k / k.sum()
+    assert_allclose(form, turns.T @ np.diag(tau * k) @ turns, rtol=0, atol=1e-12 * k.max())
+    assert len(faces) == 3

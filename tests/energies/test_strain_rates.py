@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from cases import NUMPY, adapted, disturbed, term_cases
 from derivatives import STEPS, Probe
+from hybrid_cases import hybrid
 from numpy.testing import assert_allclose
 from order import assert_remainder
 from shell_cases import Material, shell
@@ -38,6 +39,10 @@ def cases() -> dict[str, tuple[StencilEnergy, Model]]:
         for term in model.terms:
             assert isinstance(term, StencilEnergy)
             found[membrane if term.name == "membrane" else bending] = term, model
+    for way, toward in (("", True), (", away", False)):
+        joined = hybrid(toward)
+        found[f"rod_on_face{way}"] = joined.on, joined.model
+        found[f"rod_beside_face{way}"] = joined.beside, joined.model
     return found
 
 
@@ -127,7 +132,7 @@ def test_tangents(name: str, seed: int) -> None:
     assert_allclose(damping, damping.T, atol=1e-12 * np.abs(damping).max())
     assert np.linalg.eigvalsh(damping).min() > -1e-12 * np.abs(damping).max()
     assert_allclose(damping @ v, residual, atol=1e-12 * np.abs(residual).max())
-    along_rods = energy.kernel.auxiliaries in (12, 13)
+    along_rods = energy.kernel.auxiliaries in (6, 12, 13)
     d = v * 0.02 if along_rods else 0.02 * np.random.default_rng(seed + 10).normal(size=len(q))
     watched = v[None] / np.linalg.norm(v) if along_rods else np.eye(len(q))
 
@@ -171,7 +176,9 @@ def turning(energy: StencilEnergy, model: Model) -> tuple[np.ndarray, np.ndarray
     angles = energy.dofs[:, kernel.dimension * kernel.nodes :]
     if not kernel.angles:
         return np.empty((0, 2), dtype=np.int64), np.empty(0, dtype=np.int64)
-    if kernel.angles == 2:
+    if kernel.angles == 1:
+        signs, pairs = energy.parameter("sign")[:, None], nodes[:, None, :2]
+    elif kernel.angles == 2:
         signs = np.stack([energy.parameter("sign_e"), energy.parameter("sign_f")], axis=1)
         pairs = np.stack([nodes[:, [0, 1]], nodes[:, [1, 2]]], axis=1)
     else:

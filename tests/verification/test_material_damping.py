@@ -148,6 +148,34 @@ def sheet(bending: str, membrane: str, force: list[float], model: str = "st_vena
     }
 
 
+def leg(**joint: Any) -> Deck:
+    """A rod that stands on a strip of other thickness, and is pushed aside at its end."""
+    deck = sheet("midedge", "cst", ACROSS)
+    stands = line(3, (0.05, 0.02, 0.05)) | {"from": [0.05, 0.02, 0.0]}
+    body = {"type": "rod", "name": "leg", "material": "m", "radius": RADIUS / 4, "generate": stands}
+    deck["geometry"][0]["generate"] |= {"divisions": 10, "pattern": "right"}
+    deck["geometry"].append(body)
+    weld = {"type": "rigid", "nodes": ["leg.start", {"nearest": [0.05, 0.02, 0.0]}]}
+    push = {"type": "point", "where": "leg.end", "force": [1e-9, 1e-9, 0.0]}
+    output = {"every": TAU, "probes": {"u": {"displacement": "leg.end", "component": "y"}}}
+    return deck | {"joints": [weld | joint], "forces": [push], "output": output}
+
+
+def seam(bending: str, axis: list[float]) -> Deck:
+    """Two or three strips welded along an edge, the last loaded at its end."""
+    deck = sheet(bending, "cst", ACROSS)
+    first = deck["geometry"][0]
+    first["generate"] |= {"pattern": "right"}
+    edge = {"origin": [LENGTH, 0.0, 0.0], "length": LENGTH / 2, "divisions": 3}
+    joint = {"type": "seam", "shells": ["rod", "on", "up"], "bending": "weld"}
+    for name, along in (("on", [1.0, 0.0, 0.0]), ("up", axis)):
+        strip = first["generate"] | edge | {"axes": [along, [0.0, 1.0, 0.0]]}
+        deck["geometry"].append(first | {"name": name, "generate": strip})
+    push = {"type": "point", "where": "up.right", "force": [1e-7, 0.0, 1e-7]}
+    output = {"every": TAU, "probes": {"u": {"displacement": "up.right", "component": "x"}}}
+    return deck | {"joints": [joint], "forces": [push], "output": output}
+
+
 ACROSS, ALONG = [0.0, 0.0, 1e-7], [1e-4, 0.0, 0.0]
 CREEPING = {
     "pulled": pulled(2),
@@ -164,6 +192,10 @@ CREEPING = {
     "averaged": sheet("averaged", "family", ACROSS),
     "membrane": sheet("hinge", "cst", ALONG),
     "springs": sheet("hinge", "springs", ALONG),
+    "leg": leg(),
+    "leg on a foot": leg(footprint=0.018),
+    "seam": seam("hinge", [0.0, 0.0, 1.0]),
+    "seam of normals": seam("midedge", [0.0, 0.0, 1.0]),
     "rubber membrane": sheet("hinge", "cst", ALONG, "neo_hookean"),
 }
 

@@ -47,6 +47,7 @@ class ShellProperties:
         thickness: h of each triangle [m], shape (T,).
         mass_per_area: rho h of each triangle [kg/m^2], shape (T,).
         model: How its material stretches.
+        relaxation_time: tau of its material [s].
     """
 
     youngs_modulus: FloatArray
@@ -54,6 +55,7 @@ class ShellProperties:
     thickness: FloatArray
     mass_per_area: FloatArray
     model: str
+    relaxation_time: float
 
 
 def shell_properties(shell: Shell, path: KeyPath, material: Material, sample: Sampler) -> ShellProperties:
@@ -73,7 +75,12 @@ def shell_properties(shell: Shell, path: KeyPath, material: Material, sample: Sa
     density = sample(material.density, (*of_material, "density"), "density")
     modulus = sample(material.youngs_modulus, (*of_material, "youngs_modulus"), "pressure")
     return ShellProperties(
-        mean(modulus), material.poisson_ratio, mean(thickness), mean(density * thickness), material.model
+        mean(modulus),
+        material.poisson_ratio,
+        mean(thickness),
+        mean(density * thickness),
+        material.model,
+        material.relaxation_time,
     )
 
 

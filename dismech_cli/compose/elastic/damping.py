@@ -1,14 +1,13 @@
 """Material damping: viscous stresses beside the elastic ones, no more than some material asks for.
 
 Where rods of several relaxation times meet at a joint, either half of it counts by its share of the turn:
-their mean dissipates what they do as long as the motion is slow against them. The material of rubber
-damps with the stiffness that it has at rest. The half of an edge that bends where a rod is welded to a shell
-damps nothing: the less of it, the finer the mesh.
+their mean dissipates what they do as long as the motion is slow against them; where sheets meet, see
+:mod:`..shells.seams`. The material of rubber damps with the stiffness that it has at rest.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -18,26 +17,39 @@ from ...energies.strain_rates import RATES, damping_term
 from ...model.rate import ViscousStress
 from ...model.stencil import StencilEnergy
 from ..scene import Scene
+from ..shells.bending import bending_of
 from ..shells.membrane import TRIANGLES
 from ..structure.joints import Joints
 from ..structure.structure import Structure
+from .halves import Halves
 from .joints import of_edges
 from .rods import STRETCHES, RodEnergies
 from .shells import ShellEnergies
 
 
 def damping_terms(
-    scene: Scene, structure: Structure, rods: RodEnergies, shells: ShellEnergies
+    scene: Scene,
+    structure: Structure,
+    rods: RodEnergies,
+    shells: ShellEnergies,
+    welds: Sequence[tuple[StencilEnergy, Halves]],
 ) -> tuple[ViscousStress, ...]:
     """The damping of all materials that have any; none in statics, where nothing moves."""
     if structure.plan.static:
         return ()
-    return (*_of_rods(scene, structure, rods), *_of_shells(scene, structure, shells))
+    materials = scene.scenario.materials
+    times = np.array([materials[rod.material].relaxation_time for rod in scene.geometry.rods])
+    return (
+        *_of_rods(scene, structure, rods, times),
+        *(term for energy, halves in welds for term in _where(energy, times[halves.joints.rods[:, 0]])),
+        *_of_shells(structure, shells),
+    )
 
 
-def _of_rods(scene: Scene, structure: Structure, rods: RodEnergies) -> Iterator[ViscousStress]:
-    geometry, materials = scene.geometry, scene.scenario.materials
-    times = np.array([materials[rod.material].relaxation_time for rod in geometry.rods])
+def _of_rods(
+    scene: Scene, structure: Structure, rods: RodEnergies, times: FloatArray
+) -> Iterator[ViscousStress]:
+    geometry = scene.geometry
     if rods.stretch is None or not times.any():
         return
     stretch = StencilEnergy.of(
@@ -63,21 +75,21 @@ def _at_joints(scene: Scene, structure: Structure, joints: Joints, times: FloatA
     return mean
 
 
-def _of_shells(scene: Scene, structure: Structure, shells: ShellEnergies) -> Iterator[ViscousStress]:
+def _of_shells(structure: Structure, shells: ShellEnergies) -> Iterator[ViscousStress]:
     for name, body in structure.shell_edges.bodies.items():
-        time = scene.scenario.materials[body.shell.material].relaxation_time
-        if time == 0.0:
-            continue
-        membrane = shells.membrane[name]
+        membrane, bending, time = shells.membrane[name], shells.bending[name], body.sheet.relaxation_time
         if membrane.kernel not in RATES:
             membrane = TRIANGLES["st_venant_kirchhoff"](body, structure)
-        for energy in (membrane, shells.bending[name]):
-            yield damping_term(energy, time)
+        yield from _where(membrane, np.full(len(membrane.dofs), time))
+        at_hinges = bending_of(body.shell).at_hinges
+        yield from _where(bending, body.times if at_hinges else np.full(len(bending.dofs), time))
+    for energy in shells.seams:
+        yield from _where(energy, structure.shell_edges.seams.times)
 
 
 def _where(energy: StencilEnergy, times: FloatArray) -> Iterator[ViscousStress]:
     """The damping of the stencils that have some, given their relaxation times [s], shape (S,)."""
-    some = times > 0.0
+    some = times != 0.0
     if some.any():
         part = replace(
             energy,

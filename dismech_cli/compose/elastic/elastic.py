@@ -12,7 +12,6 @@ from ..structure.structure import Structure
 from .damping import damping_terms
 from .rod_drives import driven_rods
 from .rods import RodEnergies, rod_energies
-from .seams import seam_energies
 from .shell_drives import driven_shells
 from .shells import shell_energies
 from .stubs import stub_springs
@@ -46,6 +45,6 @@ def make_elastic(scene: Scene, structure: Structure) -> Elastic:
         *driven_rods(scene, structure, rods, welds),
         *stub_springs(scene, structure),
         *driven_shells(scene, structure, shells),
-        *seam_energies(structure),
+        *shells.seams,
     )
-    return Elastic(rods, terms, damping_terms(scene, structure, rods, shells))
+    return Elastic(rods, terms, damping_terms(scene, structure, rods, shells, welds))

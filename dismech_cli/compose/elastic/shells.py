@@ -9,6 +9,7 @@ from ...model.stencil import StencilEnergy
 from ..shells.bending import bending_of
 from ..shells.membrane import MEMBRANES
 from ..structure.structure import Structure
+from .seams import seam_energies
 
 
 @dataclass(frozen=True, slots=True)
@@ -18,10 +19,12 @@ class ShellEnergies:
     Attributes:
         membrane: Stretching energy of each shell by its name.
         bending: Bending energy of each shell by its name.
+        seams: Bending energy between them, and between the branches of one.
     """
 
     membrane: Mapping[str, StencilEnergy]
     bending: Mapping[str, StencilEnergy]
+    seams: tuple[StencilEnergy, ...]
 
 
 def shell_energies(structure: Structure) -> ShellEnergies:
@@ -32,7 +35,7 @@ def shell_energies(structure: Structure) -> ShellEnergies:
         membrane[name] = MEMBRANES[body.shell.membrane](body, structure)
         bent = bending_of(body.shell).term(body, structure)
         bending[name] = _flattened(bent) if body.shell.natural.shape == "flat" else bent
-    return ShellEnergies(membrane, bending)
+    return ShellEnergies(membrane, bending, seam_energies(structure))
 
 
 def _flattened(energy: StencilEnergy) -> StencilEnergy:

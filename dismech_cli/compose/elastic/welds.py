@@ -7,6 +7,8 @@ not grow with their number; it has no mass.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
@@ -30,7 +32,7 @@ def weld_energies(scene: Scene, structure: Structure) -> tuple[tuple[StencilEner
     geometry, dofs, frames = scene.geometry, structure.dofs, structure.rod_frames
     if not geometry.shell_welds:
         return ()
-    far, faces, share, stiffness = [], [], [], []
+    far, faces, share = [], [], []
     for weld in geometry.shell_welds:
         other = int(geometry.edges[weld.edge].sum()) - weld.node
         found = _faces(geometry, weld, other, weld.footprint)
@@ -41,8 +43,8 @@ def weld_energies(scene: Scene, structure: Structure) -> tuple[tuple[StencilEner
         far.append(np.full(len(found), other))
         faces.append(found)
         share.append(geometry.areas[found] / geometry.areas[found].sum())
-        stiffness.append(_stiffness(geometry, weld))
     counts = [len(found) for found in faces]
+    stiffness = _stiffness(geometry, geometry.shell_welds)
     edge = np.repeat([weld.edge for weld in geometry.shell_welds], counts)
     node = np.repeat([weld.node for weld in geometry.shell_welds], counts)
     assert isinstance(frames, RodFrames)
@@ -61,7 +63,7 @@ def weld_energies(scene: Scene, structure: Structure) -> tuple[tuple[StencilEner
         dofs.of_angles(edge),
         signs,
         rest.auxiliary[places].reshape(-1, 2, 3).transpose(1, 0, 2),
-        np.repeat(np.array(stiffness).T, counts, axis=1) * np.concatenate(share),
+        np.repeat(stiffness, counts, axis=1) * np.concatenate(share),
         places,
     ):
         some = joints.some(np.isin(np.arange(len(edge)), mine))
@@ -110,13 +112,13 @@ def _faces(geometry: Geometry, weld: ShellWeld, other: int, footprint: float) ->
     return np.flatnonzero((around | near) & ~(triangles == other).any(axis=1))
 
 
-def _stiffness(geometry: Geometry, weld: ShellWeld) -> FloatArray:
-    """Stiffness against twist and against bending about m1 and m2 [N m], shape (3,)."""
-    half = 0.5 * geometry.lengths[weld.edge]
+def _stiffness(geometry: Geometry, welds: Sequence[ShellWeld]) -> FloatArray:
+    """Stiffness of each against twist and against bending about m1 and m2 [N m], shape (3, W)."""
+    edges = [weld.edge for weld in welds]
+    twist = np.array([weld.release != "twist" for weld in welds])
+    bending = np.array([weld.release != "bending" for weld in welds])
     # curvature 1 is a rotation about m2, curvature 2 one about m1
-    names = ("torsional", "bending_2", "bending_1")
-    torsional, *bending = (float(geometry.per_edge(name)[weld.edge]) for name in names)
-    twist = 0.0 if weld.release == "twist" else torsional
-    bending = [0.0, 0.0] if weld.release == "bending" else bending
-    stiffness: FloatArray = np.array((twist, *bending)) / half
+    kept = (("torsional", twist), ("bending_2", bending), ("bending_1", bending))
+    values = np.stack([passes * geometry.per_edge(name)[edges] for name, passes in kept])
+    stiffness: FloatArray = values / (0.5 * geometry.lengths[edges])
     return stiffness

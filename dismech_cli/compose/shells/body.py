@@ -27,6 +27,7 @@ class ShellBody:
         topology: Its edges and hinges, in the scene's node numbers.
         first: Number of its first edge among those that carry a normal.
         share: Part of the stiffness of each hinge that is left beside sheets welded to it, shape (H,).
+        times: Relaxation time of each hinge [s], shape (H,).
     """
 
     shell: Shell
@@ -35,6 +36,7 @@ class ShellBody:
     topology: ShellTopology
     first: int
     share: FloatArray
+    times: FloatArray
 
     def on_edges(self, positions: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Young's modulus [Pa] and thickness [m] at each edge, shape (B,): stretched side by side."""

@@ -3,7 +3,10 @@
 The sheets at a welded edge are springs that meet at a rigid joint without mass. With normals of their own,
 the edges share the angle of the joint. Without, the joint is eliminated: half hinges of stiffness k_i
 against it leave hinges of stiffness k_i k_j / sum(k) between all pairs of sheets, which for two is their
-series.
+series. If half hinges damp with relaxation times tau_i, and the joint is where elasticity has it, these
+hinges dissipate what the halves do with times tau_i + tau_j - sum(k tau) / sum(k): for two that is the mean
+of the times by their turns; of a pair that damps less than the mean of three it may be negative, but what all
+of them dissipate never is.
 """
 
 from __future__ import annotations
@@ -33,13 +36,17 @@ class SeamHinges:
         hinges: Nodes (x0, x1, x2, x3), shape (P, 4): shared edge x0 -> x1, x2 and x3 opposite it.
         stiffness: Shape (P,) [N m].
         faces: Their triangles, shape (P, 2).
+        times: Relaxation times, shape (P,) [s].
         shares: Part of the stiffness of the hinges of each shell that is left beside them, shape (H,) each.
+        own_times: Relaxation times of the hinges of each shell [s], shape (H,) each.
     """
 
     hinges: IntArray
     stiffness: FloatArray
     faces: IntArray
+    times: FloatArray
     shares: tuple[FloatArray, ...]
+    own_times: tuple[FloatArray, ...]
 
 
 def welded_edges(geometry: Geometry, shells: Sequence[ShellTopology]) -> tuple[IntArray, ...]:
@@ -112,28 +119,38 @@ def shared_normals(welds: IntArray) -> IntArray:
 def seam_hinges(geometry: Geometry, shells: Sequence[ShellTopology], welds: Sequence[IntArray]) -> SeamHinges:
     """Hinges between the sheets of welds whose edges have no normals."""
     shares = [np.ones(len(one.hinges)) for one in shells]
+    own_times = [
+        np.full(len(one.hinges), sheet.relaxation_time)
+        for one, sheet in zip(shells, geometry.sheets, strict=True)
+    ]
     sides: dict[int, list[_Side]] = {}
     for number, (topology, weld) in enumerate(zip(shells, welds, strict=True)):
         if bending_of(geometry.shells[number]).at_hinges:
             for side in _sides(geometry, number, topology, weld):
                 sides.setdefault(side.weld, []).append(side)
-    hinges, stiffness, faces = [], [], []
+    hinges, stiffness, times, faces = [], [], [], []
     for members in sides.values():
         total = sum(side.stiffness for side in members)
+        mean = sum(side.stiffness * side.time for side in members) / total
         for one, two in combinations(members, 2):
+            time = one.time + two.time - mean
             if (one.shell, one.edge) == (two.shell, two.edge):
                 own = shells[one.shell].hinge_edges == one.edge
                 shares[one.shell][own] = (one.stiffness + two.stiffness) / total
+                own_times[one.shell][own] = time
                 continue
             a, b = shells[members[0].shell].edges[members[0].edge]
             hinges.append((a, b, one.opposite, two.opposite))
             stiffness.append(one.stiffness * two.stiffness / total)
+            times.append(time)
             faces.append((one.face, two.face))
     return SeamHinges(
         np.array(hinges, dtype=np.int64).reshape(-1, 4),
         np.array(stiffness, dtype=np.float64),
         np.array(faces, dtype=np.int64).reshape(-1, 2),
+        np.array(times, dtype=np.float64),
         tuple(shares),
+        tuple(own_times),
     )
 
 
@@ -148,6 +165,7 @@ class _Side:
         face: The triangle among those of the scene.
         opposite: Its node opposite the edge.
         stiffness: Of its half of a hinge [N m].
+        time: Relaxation time of the shell [s].
     """
 
     weld: int
@@ -156,6 +174,7 @@ class _Side:
     face: int
     opposite: int
     stiffness: float
+    time: float
 
 
 def _sides(geometry: Geometry, number: int, topology: ShellTopology, weld: IntArray) -> list[_Side]:
@@ -173,6 +192,6 @@ def _sides(geometry: Geometry, number: int, topology: ShellTopology, weld: IntAr
         triangle_areas(geometry.nodes, triangles),
     )
     return [
-        _Side(int(weld[e]), number, int(e), int(f), int(o), float(k))
+        _Side(int(weld[e]), number, int(e), int(f), int(o), float(k), sheet.relaxation_time)
         for e, f, o, k in zip(edges, faces, opposite, stiffness, strict=True)
     ]

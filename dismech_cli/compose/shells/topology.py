@@ -57,7 +57,13 @@ def find_shell_edges(geometry: Geometry) -> ShellEdges:
     for number, (shell, topology) in enumerate(zip(geometry.shells, topologies, strict=True)):
         own = owned[number]
         bodies[shell.name] = ShellBody(
-            shell, geometry.sheets[number], own, topology, n_edges, seams.shares[number]
+            shell,
+            geometry.sheets[number],
+            own,
+            topology,
+            n_edges,
+            seams.shares[number],
+            seams.own_times[number],
         )
         if not bending_of(shell).has_normals:
             continue

@@ -109,10 +109,6 @@ def make_plan(scene: Scene, holds: tuple[Hold, ...], kernels: str | None = None)
     viscous = any(material.relaxation_time > 0.0 for material in scenario.materials.values())
     if not viscous and not any(force.velocity_dependent for force in scenario.forces):
         decisions.append(Decision("no damping matrix", "no force depends on velocity"))
-    if viscous and geometry.shell_welds and not static:
-        decisions.append(
-            Decision("no damping in welds of rods to shells", "half an edge of the rod bends there")
-        )
     warnings = list(scene_doubts(scene, holds))
     kernels, why = (kernels, "as in the resumed run") if kernels else _kernels(scene, warnings)
     decisions.append(Decision(f"kernels by {kernels}", why))
