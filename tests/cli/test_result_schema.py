@@ -95,7 +95,7 @@ def test_a_bug_and_a_machine_that_cannot_draw(
     monkeypatch.setattr(start, "load", fails(ZeroDivisionError("a bug")))
     bug = held(RUN, call("run", "swing.yaml", "--json"), 1)
     assert "a bug" in bug.errors[0].message
-    monkeypatch.setattr(drawing, "make", fails(RenderError("cannot draw")))
+    monkeypatch.setattr(drawing, "render", fails(RenderError("cannot draw")))
     assert held(RUN, call("render", "out", "--json"), 6).errors[0].message == "cannot draw"
 
 
