@@ -22,6 +22,7 @@ SECTIONS = (
     "run_loop",
     "linear_solvers",
     "overlay",
+    "contact",
     "integrators",
     "defaults",
     "other_code",

@@ -8,12 +8,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..model.model import Model
-from ..model.term import Term
+from ..model.term import ChangingTerm, Term
 from ..run.observe import LOAD_COLUMNS, scalar_columns
 from ..run.roles import Roles
 from ..run.simulation import Simulation
 from ..scenario.load import LoadedScenario
 from .bodies.geometry import Geometry
+from .changing import Changing, make_changing
 from .elastic.elastic import Elastic, make_elastic
 from .imperfection import NO_DEVIATION, Deviation, find_deviation
 from .initial.signature import signature
@@ -78,19 +79,22 @@ def compose(
     structure = make_structure(scene, holds, plan)
     elastic = make_elastic(scene, structure)
     forces = make_forces(scene, structure)
-    roles = _roles(elastic, forces)
+    changing = make_changing(scene, structure)
+    roles = _roles(elastic, forces, changing)
     probes = make_probes(scene, structure)
     fields = make_fields(scene, structure, elastic.rods)
     columns = scalar_columns(roles, probes, LOAD_COLUMNS if follows_path(loaded) else {})
     numerics, (control, every) = loaded.scenario.numerics, times(loaded)
-    model = _model(scene, structure, (*elastic.terms, *elastic.damping, *forces.all))
+    model = _model(scene, structure, (*elastic.terms, *elastic.damping, *forces.all), changing.terms)
     start = make_start(scene, structure, model.motions)
     simulation = Simulation(
         name=loaded.scenario.name,
         model=model,
         roles=roles,
         integrator=build_integrator(numerics.integrator),
-        newton=build_newton(numerics, driven=any(map(drives, holds))),
+        newton=build_newton(
+            numerics, driven=any(map(drives, holds)), touching=loaded.scenario.contact is not None
+        ),
         linear_solver=numerics.linear_solver,
         control=control,
         advance=make_advance(scene, structure, model),
@@ -101,9 +105,10 @@ def compose(
         probes=probes,
         watched=make_watched(scene, structure),
         places=node_labels(scene.geometry),
-        checks=make_checks(scene, structure, elastic.rods),
+        checks=(*make_checks(scene, structure, elastic.rods), *changing.checks),
         structure=signature(scene.geometry, structure),
     )
+    plan = replace(plan, warnings=(*plan.warnings, *changing.warnings))
     return Composition(simulation, plan, scene.geometry, start.kept)
 
 
@@ -119,7 +124,12 @@ def _deviation(perfect: Scene) -> Deviation:
     return find_deviation(spec, perfect, model, mass)
 
 
-def _model(scene: Scene, structure: Structure, terms: tuple[Term, ...]) -> Model:
+def _model(
+    scene: Scene,
+    structure: Structure,
+    terms: tuple[Term, ...],
+    changing: tuple[ChangingTerm, ...] = (),
+) -> Model:
     dofs = structure.dofs
     massless = structure.plan.static
     return Model(
@@ -131,13 +141,16 @@ def _model(scene: Scene, structure: Structure, terms: tuple[Term, ...]) -> Model
         frames=structure.frames,
         driver=structure.driver,
         length=typical_length(scene, structure),
+        changing=changing,
     )
 
 
-def _roles(elastic: Elastic, forces: Forces) -> Roles:
+def _roles(elastic: Elastic, forces: Forces, changing: Changing) -> Roles:
     return Roles(
         elastic=elastic.terms,
         gravitational=tuple(term.name for term in forces.gravitational),
         loads=tuple(term.name for term in forces.loads),
         dissipative=tuple(term.name for term in (*elastic.damping, *forces.dissipative)),
+        contact=changing.storing,
+        friction=changing.rubbing,
     )

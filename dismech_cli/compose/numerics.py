@@ -40,12 +40,13 @@ def build_integrator(spec: numerics.Integrator) -> integrators.Integrator:
 _STATIC_TOLERANCE, _DYNAMIC_TOLERANCE = 1e-8, 1e-5
 
 
-def build_newton(spec: numerics.Numerics, *, driven: bool) -> NewtonSettings:
+def build_newton(spec: numerics.Numerics, *, driven: bool, touching: bool) -> NewtonSettings:
     """The nonlinear solver.
 
     Args:
         spec: Numerics of the scenario.
         driven: Whether motions move what they hold: such statics may buckle.
+        touching: Whether bodies may touch: what holds them apart pushes them aside too.
     """
     newton = spec.newton
     if not isinstance(spec.integrator, numerics.Static):
@@ -53,13 +54,13 @@ def build_newton(spec: numerics.Numerics, *, driven: bool) -> NewtonSettings:
             tolerance=newton.tolerance or _DYNAMIC_TOLERANCE,
             max_iterations=newton.max_iterations,
             patience=spec.step.patience,
-            factorize=TANGENTS[newton.projection or "none"],
+            factorize=TANGENTS[newton.projection or ("indefinite" if touching else "none")],
         )
     return NewtonSettings(
         tolerance=newton.tolerance or _STATIC_TOLERANCE,
         max_iterations=newton.max_iterations,
         patience=newton.max_iterations,
-        factorize=TANGENTS[newton.projection or ("indefinite" if driven else "none")],
+        factorize=TANGENTS[newton.projection or ("indefinite" if driven or touching else "none")],
     )
 
 

@@ -49,7 +49,14 @@ def _of_shape(probe: Probe, model: Model) -> Callable[[State], float]:
         at_rest = np.zeros_like(state.q)
         return probe(
             Snapshot(
-                model, state, at_rest, lambda: nothing, lambda: 0.0, lambda _: at_rest, lambda _: at_rest
+                model,
+                state,
+                at_rest,
+                lambda: nothing,
+                lambda: 0.0,
+                lambda _: at_rest,
+                lambda _: at_rest,
+                tuple,
             )
         )
 

@@ -7,12 +7,17 @@ the residual share is +dE/dq of an energy and -f of a force.
 
 from __future__ import annotations
 
-from typing import ClassVar, Protocol
+from collections.abc import Mapping
+from typing import ClassVar, Protocol, TypeAlias
 
 from ..arrays import FloatArray
 from ..kernels.driver import Driver
 from ..kernels.linearization import Coupling, Linearization, Pattern
 from .configuration import Configuration
+from .touch import Touch
+
+Memory: TypeAlias = Mapping[str, FloatArray]
+"""What a step leaves to the next, by name."""
 
 
 class BoundTerm(Protocol):
@@ -52,42 +57,78 @@ class BoundChanging(BoundTerm, Protocol):
     """A bound term whose stencils come and go as the robot moves; its name and shares stay."""
 
     @property
-    def couplings(self) -> tuple[Coupling, ...]:
-        """DOF cliques of the stencils that are there now."""
-
-    def detect(self, c: Configuration) -> bool:
-        """Find the stencils at a trial point; True if their couplings changed."""
+    def symmetric(self) -> bool:
+        """Whether the tangent is symmetric, whatever the stencils."""
 
     def place(self, pattern: Pattern) -> None:
         """Look the matrix positions of the present couplings up in a pattern that has them."""
 
+    def heat(self, c: Configuration, v: FloatArray) -> float:
+        """Power that its forces at ``c`` turn into heat at velocities (n,) [W]."""
+
+    def add_convex_linearization(self, c: Configuration, into: Linearization) -> None:
+        """The same with a tangent that is positive semi-definite, or as near to that as the term can."""
+
+
+class ChangingSet(Protocol):
+    """Bound terms that share their stencils, which come and go."""
+
+    @property
+    def terms(self) -> tuple[BoundChanging, ...]:
+        """The terms."""
+
+    @property
+    def couplings(self) -> tuple[Coupling, ...]:
+        """DOF cliques of the stencils that are there now; the same objects as long as they do not change."""
+
+    def recall(self, memory: Memory) -> None:
+        """Take up what the last step left, as :meth:`memory` gave it; empty at the start of a run."""
+
+    def begin(self, start: Configuration, dt: float) -> None:
+        """Make ready for a step of ``dt`` [s]."""
+
+    def detect(self, c: Configuration) -> bool:
+        """Find the stencils at a trial point; True if their couplings changed."""
+
     def longest_step(self, start: Configuration, end: Configuration) -> float:
         """Part in (0, 1] of the way from ``start`` to ``end`` on which nothing passes through anything."""
 
+    def reverses(self, start: Configuration, end: Configuration) -> bool:
+        """Whether friction turns round on the way between two trial points: full steps may then swing."""
+
+    def settle(self, end: Configuration) -> bool:
+        """Whether a step that ended here may stand; if not, it must be taken again, otherwise by now."""
+
+    def take_back(self) -> None:
+        """Undo the last change of :meth:`settle`: the step that it asked for fails."""
+
+    def put_in(self, start: Configuration) -> float:
+        """Energy that the changes of this step put in at its start [J]."""
+
+    def memory(self) -> Memory:
+        """What the next step depends on, by name."""
+
+    def touch(self, c: Configuration) -> Touch:
+        """What touches at a state."""
+
 
 class ChangingTerm(Protocol):
-    """A physical contribution whose stencils come and go, such as contact.
-
-    Attributes:
-        velocity_dependent: Whether the residual depends on velocity.
-    """
-
-    velocity_dependent: ClassVar[bool]
+    """A physical contribution whose stencils come and go, such as contact."""
 
     @property
-    def name(self) -> str:
-        """Unique name."""
+    def velocity_dependent(self) -> bool:
+        """Whether a residual depends on velocity."""
 
     @property
     def symmetric(self) -> bool:
-        """Whether the tangent is symmetric, whatever the stencils."""
+        """Whether the tangents are symmetric, whatever the stencils."""
 
     @property
     def spreads(self) -> bool:
         """Whether stencils couple DOFs of different nodes, so that entries may come anywhere."""
 
-    def start(self, driver: Driver) -> BoundChanging:
-        """A bound term without stencils yet."""
+    def start(self, driver: Driver) -> ChangingSet:
+        """Bound terms without stencils yet."""
 
 
 class Term(Protocol):

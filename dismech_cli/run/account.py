@@ -32,7 +32,7 @@ class EnergyAccount:
     Implements :class:`~dismech_cli.model.saved.Saved`.
     """
 
-    columns = ("external_work", "actuation_work", "dissipation", "initial", "largest")
+    columns = ("external_work", "actuation_work", "dissipation", "friction", "initial", "largest")
 
     def __init__(self, model: Model, roles: Roles, start: State) -> None:
         self._model = model
@@ -45,7 +45,9 @@ class EnergyAccount:
         self._elastic: Sequence[BoundEnergy] = ()
         self._gravitational: Sequence[BoundEnergy] = ()
         self._actuated: Sequence[BoundEnergy] = ()
+        self._contact: Sequence[BoundEnergy] = ()
         self._changing: Sequence[BoundEnergy] = ()
+        self._pushed: Sequence[BoundEnergy] = ()
         self.sums = dict.fromkeys(self.columns, 0.0)
 
     def bind(self, system: System, t: float) -> None:
@@ -58,23 +60,30 @@ class EnergyAccount:
         self._elastic = [term for term in system.energies if term.name in elastic]
         self._gravitational = [term for term in system.energies if term.name in roles.gravitational]
         self._actuated = [term for term in self._elastic if not term.steady]
+        self._contact = [term for term in system.energies if term.name in roles.contact]
         self._changing = [term for term in self._gravitational if not term.steady]
+        self._pushed = [term for term in self._contact if not term.steady]
 
     def start(self, state: State) -> None:
         """Take the stored energy of ``state`` as the zero of the account."""
         self.sums["initial"] = 0.0
         self.sums["initial"] = self.measure(state)["error"]
 
-    def advance(self, before: State, after: State) -> None:
-        """Book the work of the step between two states."""
+    def advance(self, before: State, after: State, put_in: float = 0.0) -> None:
+        """Book the work of the step between two states, and energy [J] that its changes of terms put in."""
         work, sums = self._work, self.sums
+        if put_in:
+            self._last = None  # it was seen with other terms
+            sums["external_work"] += put_in
         start, end = self._see(before), self._see(after)
         sums["external_work"] += work.of_holds(start, end)
-        loads, dissipated = work.of_forces(before, after)
+        loads, dissipated, rubbed = work.of_forces(before, after)
         sums["external_work"] += loads
-        sums["dissipation"] += dissipated
+        sums["dissipation"] += dissipated + rubbed
+        sums["friction"] += rubbed
         sums["actuation_work"] += work.in_time(self._actuated, start, end)
         sums["external_work"] += work.in_time(self._changing, start, end)
+        sums["external_work"] += work.by_movers(self._pushed, start, end)
 
     def measure(self, state: State) -> Mapping[str, float]:
         """All entries of the account at ``state`` [J]."""
@@ -87,12 +96,14 @@ class EnergyAccount:
         entries |= parts
         entries["elastic"] = sum(parts.values())
         entries["gravitational"] = sum(float(term.energy(c).sum()) for term in self._gravitational)
-        entries["total"] = entries["kinetic"] + entries["elastic"] + entries["gravitational"]
+        entries["contact"] = sum(float(term.energy(c).sum()) for term in self._contact)
+        entries["total"] = sum(entries[name] for name in ("kinetic", "elastic", "gravitational", "contact"))
         s = self.sums
         entries["external_work"] = s["external_work"] + s["actuation_work"]
         entries["dissipation"] = s["dissipation"]
+        entries["friction"] = s["friction"]
         entries["error"] = entries["total"] - s["initial"] - entries["external_work"] + s["dissipation"]
-        s["largest"] = max(s["largest"], entries["kinetic"] + abs(entries["elastic"]))
+        s["largest"] = max(s["largest"], entries["kinetic"] + abs(entries["elastic"] + entries["contact"]))
         return entries
 
     def arrays(self) -> Arrays:

@@ -176,7 +176,7 @@ class Course:
             What the frame shows, if one was due.
         """
         dt = result.state.t - self.state.t
-        self.account.advance(self.state, result.state)
+        self.account.advance(self.state, result.state, result.put_in)
         self.state = result.state
         self.control = self.control.accepted(result)
         self.counters.steps += 1

@@ -49,8 +49,14 @@ def scalar_columns(
     columns |= dict.fromkeys(ENERGY_COLUMNS[:2], "J")
     columns |= {f"elastic_{name}": "J" for name in roles.shares}
     columns |= dict.fromkeys(ENERGY_COLUMNS[2:], "J")
+    columns |= dict.fromkeys(contact_columns(roles), "J")
     columns |= {"max_speed": "m/s", "wall": "s"}
     return columns | {name: probe.unit for name, probe in probes.items()}
+
+
+def contact_columns(roles: Roles) -> tuple[str, ...]:
+    """Entries of the account that only scenes with contact and with friction have."""
+    return (*(["contact"] if roles.contact else []), *(["friction"] if roles.friction else []))
 
 
 class Observer:
@@ -89,6 +95,7 @@ class Observer:
             lambda: self._count_negative(state),
             lambda name: self._stencil_energies(name, state),
             lambda name: self._elastic[name].natural_at(state.law_time, state.inputs),
+            lambda: self._stepper.system.touch(state),
         )
 
     def _count_negative(self, state: State) -> float:
@@ -117,6 +124,7 @@ class Observer:
         scalars = {"dt": dt, "newton_iterations": float(iterations), "residual": residual_norm, "wall": wall}
         scalars["load_factor"] = s.state.law_time
         scalars |= {name: energies[name] for name in ENERGY_COLUMNS}
+        scalars |= {name: energies[name] for name in contact_columns(self._simulation.roles)}
         scalars |= {f"elastic_{name}": energies[name] for name in self._simulation.roles.shares}
         v = s.dofs.positions(s.state.v)[:visible]
         scalars["max_speed"] = float((v * v).sum(axis=1).max()) ** 0.5

@@ -16,12 +16,16 @@ class Roles:
         gravitational: Names of those that store gravitational energy.
         loads: Names of those whose work counts as external.
         dissipative: Names of those that take energy out.
+        contact: Names of those that store the energy of contact.
+        friction: Names of those that take energy out where bodies touch.
     """
 
     elastic: tuple[Elastic, ...]
     gravitational: tuple[str, ...]
     loads: tuple[str, ...]
     dissipative: tuple[str, ...]
+    contact: tuple[str, ...] = ()
+    friction: tuple[str, ...] = ()
 
     @property
     def shares(self) -> tuple[str, ...]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -16,6 +16,9 @@ from ..model.state import State
 from ..model.term import BoundEnergy, BoundTerm, Term
 from ..solve.system import System
 from .roles import Roles
+
+# Half of the difference quotient of a power, in steps.
+_QUOTIENT = 1e-3
 
 
 @dataclass
@@ -52,10 +55,14 @@ class Work:
         self._model = model
         self._moving = moving
         self._moves = bool(model.mass.any())
-        self._resisting = [term.bind(system.pattern, model.driver) for term in _near(model, roles, moving)]
+        self._resisting: list[BoundTerm] = []
+        if moving.size:
+            near = [term.bind(system.pattern, model.driver) for term in _near(model, roles, moving)]
+            self._resisting = [*near, *system.changing]
         bound = {term.name: term for term in system.terms}
         self._loads = [bound[name] for name in roles.loads]
         self._dissipative = [bound[name] for name in roles.dissipative]
+        self._friction = [term for term in system.changing if term.name in roles.friction]
 
     def of_holds(self, before: Known, after: Known) -> float:
         """Of what holds and drives: against all forces by the trapezoidal rule, and on masses.
@@ -72,16 +79,26 @@ class Work:
             work += 0.5 * float((self._resistance(before) + self._resistance(after)) @ path)
         return work
 
-    def of_forces(self, before: State, after: State) -> tuple[float, float]:
-        """Of loads, and into dissipation: at the mean state, with second-order accuracy."""
-        if not self._loads and not self._dissipative:
-            return 0.0, 0.0
+    def of_forces(self, before: State, after: State) -> tuple[float, float, float]:
+        """From outside, and into drag and into friction: at the mean state, with second-order accuracy.
+
+        Friction comes and goes within a step: it is taken as the step ends, where it is in balance. What it
+        turns into heat beyond what the robot gives comes from obstacles that move.
+        """
+        if not self._loads and not self._dissipative and not self._friction:
+            return 0.0, 0.0, 0.0
         q, moved = 0.5 * (before.q + after.q), after.q - before.q
         # pseudo-time has no speed
         v = moved / (after.t - before.t) if self._moves else np.zeros_like(q)
         frames = self._model.frames.transport(before.frames, q)
         c = Configuration(0.5 * (before.law_time + after.law_time), q, v, frames, after.inputs)
-        return -_against(self._loads, c, moved), _against(self._dissipative, c, moved)
+        rubbed = carried = 0.0
+        if self._friction:
+            frames = self._model.frames.transport(after.frames, after.q)
+            end = Configuration(after.law_time, after.q, after.v, frames, after.inputs)
+            rubbed = (after.t - before.t) * sum(term.heat(end, v) for term in self._friction)
+            carried = rubbed - _against(self._friction, end, moved)
+        return carried - _against(self._loads, c, moved), _against(self._dissipative, c, moved), rubbed
 
     def in_time(self, terms: Sequence[BoundEnergy], before: Known, after: Known) -> float:
         """Of what changes energies at a fixed shape: the mean of that at both shapes."""
@@ -92,6 +109,16 @@ class Work:
         crossed = sum(float(term.energy(late).sum()) for term in terms)
         crossed -= sum(float(term.energy(early).sum()) for term in terms)
         return 0.5 * (crossed + stored)
+
+    def by_movers(self, terms: Sequence[BoundEnergy], before: Known, after: Known) -> float:
+        """Of what moves within energies that are stiff in its place: mean powers by the trapezoidal rule.
+
+        An obstacle may move in a step by more than it is deep in anything; its force hardly changes then.
+        """
+        if not terms:
+            return 0.0
+        dt = after.state.t - before.state.t
+        return 0.5 * dt * (_power(terms, before, dt) + _power(terms, after, dt))
 
     def _resistance(self, known: Known) -> FloatArray:
         """Residual on the moving DOFs."""
@@ -123,6 +150,17 @@ def _against(terms: Sequence[BoundTerm], c: Configuration, moved: FloatArray) ->
     for term in terms:
         term.add_residual(c, r)
     return float(r @ moved)
+
+
+def _power(terms: Sequence[BoundEnergy], known: Known, dt: float) -> float:
+    """Change of energies in time at a fixed shape [W]."""
+    h = _QUOTIENT * dt
+    late, early = (
+        known.at(replace(known.state, t=t)) for t in (known.state.t + h, max(known.state.t - h, 0.0))
+    )
+    change = sum(float(term.energy(late).sum()) for term in terms)
+    change -= sum(float(term.energy(early).sum()) for term in terms)
+    return change / (late.t - early.t)
 
 
 def _stored(terms: Sequence[BoundEnergy], known: Known) -> float:

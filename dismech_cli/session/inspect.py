@@ -15,7 +15,6 @@ from ..kinematics.motion import held_dofs
 from ..output.frame import Topology
 from ..output.jsonable import Json, to_json
 from ..scenario.load import load
-from ..solve.linear.choice import choose_solver
 from ..solve.system import System
 from .joints import JointLine, joint_lines
 
@@ -168,15 +167,16 @@ def estimate(composition: Composition) -> Cost:
     """Count what can be counted and guess the rest."""
     simulation = composition.simulation
     model, topology = simulation.model, simulation.topology
-    pattern = System(model, ~held_dofs(model.motions, model.dofs.n, 0.0)).pattern
     wanted = simulation.linear_solver
+    system = System(model, ~held_dofs(model.motions, model.dofs.n, 0.0), wanted)
+    pattern = system.pattern
     steps = simulation.control.steps
     end = simulation.control.t_end
     frames = steps + 1
     if simulation.frame_every > 0.0:
         frames = min(frames, int(end / simulation.frame_every * (1.0 + 1e-12)) + 1)
     fixed, edge, triangle = _ITERATION[composition.plan.kernels]
-    solver = choose_solver(pattern) if wanted == "auto" else wanted
+    solver = system.solver.name
     edges, triangles = len(topology.edges), len(topology.triangles)
     iteration = fixed + edge * edges + triangle * triangles + _FILL * triangles**_FILL_POWER
     return Cost(

@@ -15,7 +15,7 @@ from ..model.configuration import Configuration
 from ..model.model import Model
 from ..model.term import BoundTerm
 from .integrators import Stage, Weights
-from .overlay import Overlay
+from .overlay import Adding, Overlay
 from .pattern import SparsityPattern
 
 
@@ -45,18 +45,25 @@ class Linearized:
 
 @dataclass(frozen=True, slots=True)
 class Terms:
-    """Terms bound to a pattern, those with symmetric tangents apart: they fill one triangle."""
+    """Terms bound to a pattern, those with symmetric tangents apart: they fill one triangle.
+
+    Attributes:
+        symmetric: Those.
+        general: The others.
+        changing: How those that come and go are added.
+    """
 
     symmetric: tuple[BoundTerm, ...]
     general: tuple[BoundTerm, ...]
+    changing: Adding
 
     @classmethod
-    def bound(cls, model: Model, pattern: SparsityPattern, driver: Driver) -> Terms:
+    def bound(cls, model: Model, pattern: SparsityPattern, driver: Driver, changing: Adding) -> Terms:
         """Bind the terms of a model that stay."""
         sides: tuple[list[BoundTerm], list[BoundTerm]] = ([], [])
         for term in model.terms:
             sides[not all_symmetric(term.couplings)].append(term.bind(pattern, driver))
-        return cls(tuple(sides[0]), tuple(sides[1]))
+        return cls(tuple(sides[0]), tuple(sides[1]), changing)
 
 
 class Assembly:
@@ -112,8 +119,8 @@ class Assembly:
         if self._damped:
             values += w.v * into.damping
         if overlay is not None:
-            for _ in overlay.add(c, into.residual, into.rank_ones):
-                force, moment = max(force, _square(forces)), max(moment, _square(moments))
+            # not a measure of what is small: a barrier that something touches would dwarf all other forces
+            overlay.add(c, terms.changing, into.residual, into.rank_ones)
             values = overlay.total(values, w.q, w.v)
         if self._has_mass:
             inertia = self._mass * stage.acceleration(q)

@@ -70,6 +70,6 @@ def _full_steps(problem: StageProblem, guess: FloatArray) -> NewtonResult:
         if not moved <= _RUNAWAY * problem.system.extent:
             status = Status.FACTORIZATION_FAILED if isfinite(moved) else Status.NOT_FINITE
             return failed(problem, q, now, status)
-        part = problem.longest_step(q, step)
+        part = problem.stride(q, now, step)
         q[free] += step if part == 1.0 else part * step
     return failed(problem, q, now, Status.MAX_ITERATIONS)

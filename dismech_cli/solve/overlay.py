@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Sequence
+from typing import TypeAlias
 
 import numpy as np
 
@@ -10,47 +11,71 @@ from ..arrays import FloatArray
 from ..kernels.driver import Driver
 from ..kernels.linearization import Coupling, Linearization, RankOne
 from ..model.configuration import Configuration
-from ..model.term import BoundChanging, ChangingTerm
+from ..model.term import BoundChanging, ChangingSet, ChangingTerm, Memory
 from .pattern import Extension, SparsityPattern
+
+Adding: TypeAlias = Callable[[BoundChanging, Configuration, Linearization], None]
+"""How a term adds its tangent."""
+
+
+def exactly(term: BoundChanging, c: Configuration, into: Linearization) -> None:
+    """Add a term with its tangent."""
+    term.add_linearization(c, into)
+
+
+def convexly(term: BoundChanging, c: Configuration, into: Linearization) -> None:
+    """Add a term with its tangent made convex."""
+    term.add_convex_linearization(c, into)
 
 
 class Overlay:
     """The changing terms of a system with their place in the matrix.
 
     A step begins with the couplings that its first trial point has, no others: it depends on where it
-    starts, not on what came before, as a resumed run must. Within the step the pattern grows when a coupling
-    comes that it lacks, and what it had stays, so that a stencil on the brink does not change it at every
-    iterate.
+    starts and on what the last step left in the state, as a resumed run must. Within the step the
+    pattern grows when a coupling comes that it lacks, and what it had stays, so that a stencil on the brink
+    does not change it at every iterate.
 
     Attributes:
         terms: All changing terms, bound.
-        pattern: The base pattern with the couplings of these terms.
+        sets: What decides on their stencils.
     """
 
     def __init__(self, base: SparsityPattern, changing: Sequence[ChangingTerm], driver: Driver) -> None:
         self._base = base
-        bound = [(term.symmetric, term.start(driver)) for term in changing]
-        self._symmetric = [term for symmetric, term in bound if symmetric]
-        self._general = [term for symmetric, term in bound if not symmetric]
+        self.sets: tuple[ChangingSet, ...] = tuple(term.start(driver) for term in changing)
+        bound = [term for one in self.sets for term in one.terms]
+        self._symmetric = [term for term in bound if term.symmetric]
+        self._general = [term for term in bound if not term.symmetric]
         self.terms: tuple[BoundChanging, ...] = (*self._symmetric, *self._general)
         self._moved, self._begins = False, True
         self._of_step: list[Coupling] = []
         self._extend()
 
-    def start_step(self) -> None:
-        """Let go of what the last step had, at the next trial point."""
+    def recall(self, memory: Memory) -> None:
+        """Take up what the last step left, and let go of what it had at the next trial point."""
         self._begins = True
+        for one in self.sets:
+            one.recall(memory)
+
+    def begin(self, start: Configuration, dt: float) -> None:
+        """Make ready for a step of ``dt`` [s]."""
+        for one in self.sets:
+            one.begin(start, dt)
 
     def detect(self, c: Configuration) -> None:
         """Find the stencils at a trial point."""
-        for term in self.terms:
-            self._moved |= term.detect(c)
+        for one in self.sets:
+            self._moved |= one.detect(c)
 
     def follow(self) -> bool:
         """Give the stencils their places; True if that took another pattern."""
         if not (self._moved or self._begins):
             return False
-        present = [coupling for term in self.terms for coupling in term.couplings]
+        present = [coupling for one in self.sets for coupling in one.couplings]
+        if not self._moved and _same(present, self._of_step):
+            self._begins = False
+            return False
         entries = self._base.entries(present)
         if self._begins:
             fits = np.array_equal(entries, self._extension.entries)
@@ -65,22 +90,20 @@ class Overlay:
         self._moved = self._begins = False
         return not fits
 
-    def add(self, c: Configuration, residual: FloatArray, rank_ones: list[RankOne]) -> Iterator[None]:
-        """Add the terms' residuals and tangents, pausing after each of them."""
+    def add(self, c: Configuration, add: Adding, residual: FloatArray, rank_ones: list[RankOne]) -> None:
+        """Add the terms' residuals and tangents, in one way or another."""
         into = self._into
         into.residual, into.rank_ones = residual, rank_ones
         into.stiffness[:] = 0.0
         into.damping[:] = 0.0
         for term in self._symmetric:
-            term.add_linearization(c, into)
-            yield
+            add(term, c, into)
         if self._mirror is not None:
             lower, upper = self._mirror
             into.stiffness[lower] = into.stiffness[upper]
             into.damping[lower] = into.damping[upper]
         for term in self._general:
-            term.add_linearization(c, into)
-            yield
+            add(term, c, into)
 
     def total(self, base: FloatArray, position: float, velocity: float) -> FloatArray:
         """Tangent values of all terms: those of the base pattern and, weighted, these; a buffer.
@@ -98,7 +121,28 @@ class Overlay:
 
     def longest_step(self, start: Configuration, end: Configuration) -> float:
         """Part of the way from ``start`` to ``end`` that all terms allow."""
-        return min(term.longest_step(start, end) for term in self.terms)
+        return min(one.longest_step(start, end) for one in self.sets)
+
+    def reverses(self, start: Configuration, end: Configuration) -> bool:
+        """Whether friction turns round on the way between two trial points."""
+        return any(one.reverses(start, end) for one in self.sets)
+
+    def settle(self, end: Configuration) -> bool:
+        """Whether a step that ended here may stand."""
+        return all([one.settle(end) for one in self.sets])
+
+    def take_back(self) -> None:
+        """Undo what the last :meth:`settle` changed."""
+        for one in self.sets:
+            one.take_back()
+
+    def put_in(self, start: Configuration) -> float:
+        """Energy that the changes of the step put in at its start [J]."""
+        return sum(one.put_in(start) for one in self.sets)
+
+    def memory(self) -> dict[str, FloatArray]:
+        """What the next step depends on."""
+        return {name: values for one in self.sets for name, values in one.memory().items()}
 
     @property
     def pattern(self) -> SparsityPattern:
@@ -115,3 +159,8 @@ class Overlay:
     def _place(self) -> None:
         for term in self.terms:
             term.place(self._extension.pattern)
+
+
+def _same(one: Sequence[Coupling], other: Sequence[Coupling]) -> bool:
+    """Whether two lists hold the same objects."""
+    return len(one) == len(other) and all(a is b for a, b in zip(one, other, strict=True))

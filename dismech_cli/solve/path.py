@@ -72,7 +72,6 @@ class PathFollower:
 
     def __call__(self, stepper: Stepper, start: State, dt: float, settings: NewtonSettings) -> StepResult:
         """The step of length ``dt``, or a shorter one to a goal on the way."""
-        stepper.system.start_step()
         with np.errstate(all="ignore"):
             return _Step(self, stepper, settings).take(start, dt)
 

@@ -20,6 +20,24 @@ class ExhaustedError(Exception):
     """The factorisations allowed are used up."""
 
 
+def _root(slope: Callable[[float], float], at_start: float, end: float) -> float:
+    """A part of the way to ``end`` where a slope is small against that at the start; maybe ``end``."""
+    near, small = at_start, _FLAT * abs(at_start)
+    low, high, far = 0.0, end, slope(end)
+    if far <= small or near >= 0.0:
+        return end
+    for _ in range(_LOOKS):
+        part = high - far * (high - low) / (far - near)
+        found = slope(part)
+        if abs(found) <= small:
+            return part
+        if found < 0.0:
+            low, near, far = part, found, 0.5 * far
+        else:
+            high, far, near = part, found, 0.5 * near
+    return part
+
+
 @dataclass(frozen=True, slots=True)
 class Tangent:
     """A factorised tangent.
@@ -36,6 +54,11 @@ class Tangent:
         """Factors with the tangents outside the pattern."""
         return UpdatedFactors(self.factors, now.columns, now.rows) if now.columns.shape[1] else self.factors
 
+
+# Of the way that is free the first guess goes a little less.
+_SAFE = 0.9
+# The residual along a step counts as balanced below this share of what it was, and is looked at so often.
+_FLAT, _LOOKS = 0.3, 8
 
 Factorize: TypeAlias = "Callable[[StageProblem, FloatArray, Linearized], Tangent]"
 
@@ -119,7 +142,46 @@ class StageProblem:
 
     def longest_step(self, q: FloatArray, step: FloatArray) -> float:
         """Part in (0, 1] of a step (m,) on which nothing passes through anything."""
-        return self.system.longest_step(self.stage, q, step, self.stored)
+        if not self.system.changing:
+            return 1.0
+        return self.system.longest_step(self.stage, q, self._moved(q, step), self.stored)
+
+    def stride(self, q: FloatArray, now: Linearized, step: FloatArray) -> float:
+        """Part in (0, 1] of a step (m,) to take: the longest, or to where friction is in balance.
+
+        Friction hardly grows with the slip but turns round with it, so that full steps may swing between
+        both directions for ever. Where one turns round and the residual along the step does too, the root
+        in between is looked for (Illinois).
+        """
+        if not self.system.changing:
+            return 1.0
+        long = self.longest_step(q, step)
+        end = self._moved(q, long * step)
+        if not self.system.reverses(self.stage, q, end, self.stored):
+            return long
+
+        def slope(part: float) -> float:
+            r = self.system.residual(self.stage, self._moved(q, part * step), self.stored)
+            return float(r[self.free] @ step)
+
+        return _root(slope, float(now.residual[self.free] @ step), long)
+
+    def _moved(self, q: FloatArray, step: FloatArray) -> FloatArray:
+        end = q.copy()
+        end[self.free] += step
+        return end
+
+    def reachable(self, start: FloatArray, guess: FloatArray) -> FloatArray:
+        """A guess cut back on the way from ``start`` so that nothing passes through anything.
+
+        What is prescribed stays.
+        """
+        part = self.system.longest_step(self.stage, start, guess, self.stored)
+        if part == 1.0:
+            return guess
+        cut = guess.copy()
+        cut[self.free] = start[self.free] + _SAFE * part * (guess - start)[self.free]
+        return cut
 
     def factorize(self, values: FloatArray) -> Factors:
         """Factors of stored entries, shape (slots,).

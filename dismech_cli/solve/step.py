@@ -12,6 +12,7 @@ from ..arrays import FloatArray, IntArray
 from ..kinematics.motion import Since, held_dofs, held_span
 from ..model.model import Model
 from ..model.state import State
+from .accelerations import LENGTH, balanced, rescaled, rubbed
 from .integrators import Integrator, Stage, at_state, mean_acceleration
 from .linear.factors import FactorizationError
 from .linear.stability import CountNegative, negative_eigenvalues_on
@@ -37,6 +38,7 @@ class StepResult:
         worst: DOF with the largest residual of a failed step, or -1.
         indefinite: Whether the tangent of a stage is known to have a negative eigenvalue at its solution.
         arrived: Whether this is where a path was to end.
+        put_in: Energy [J] that came from nothing moving: contact that was made stiffer.
     """
 
     state: State
@@ -47,6 +49,7 @@ class StepResult:
     worst: int
     indefinite: bool = False
     arrived: bool = False
+    put_in: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,14 +140,14 @@ class Stepper:
         if not self._binding.since <= state.t < self._binding.until:
             self._analyses += self.system.analyses
             self._binding = self._bound(state.t)
-        jumps = state.t in (0.0, self._binding.since)
-        if jumps and self.integrator.needs_acceleration:
-            return replace(state, a=self._consistent_acceleration(state))
+        self.system.recall(state)
+        if self._jumps(state) and self.integrator.needs_acceleration:
+            return replace(state, a=balanced(self.system, state))
         return state
 
     def step(self, start: State, dt: float) -> StepResult:
         """Advance ``start`` (already prepared) by ``dt``."""
-        return self._advance(self, start, dt, self._settings)
+        return self._advanced(start, dt, self._settings)
 
     def attempt(self, start: State, dt: float) -> StepResult:
         """The same, but give up soon, and where a shorter step may take another way.
@@ -154,10 +157,40 @@ class Stepper:
         something that buckles strides over. Short steps have one solution. Statics has no such steps:
         there an unstable balance is one.
         """
-        result = self._advance(self, start, dt, self._hasty)
+        result = self._advanced(start, dt, self._hasty)
         if result.indefinite and self._moves:
             return replace(result, state=start, status=Status.AMBIGUOUS)
         return result
+
+    def _advanced(self, start: State, dt: float, settings: NewtonSettings) -> StepResult:
+        """A step, taken again as long as what comes and goes in it asks for that."""
+        system = self.system
+        system.recall(start)
+        if not self.model.changing:
+            return self._advance(self, start, dt, settings)
+        if not self.integrator.needs_acceleration:
+            system.begin_step(start, dt)
+        elif self._jumps(start):
+            system.begin_step(start, dt)
+            start = rubbed(system, self.predictor, start, dt, settings)
+        else:
+            start = rescaled(system, start, dt)
+            system.begin_step(start, dt)
+        result = self._advance(self, start, dt, settings)
+        spent = result.iterations
+        while result.status is Status.CONVERGED and not system.settle(result.state):
+            again = self._advance(self, start, dt, settings)
+            spent += again.iterations
+            if again.status is not Status.CONVERGED:
+                # better too deep than nowhere: the run says so
+                system.take_back()
+                break
+            result = again
+        if result.status is not Status.CONVERGED:
+            return replace(result, iterations=spent)
+        memory, put_in = system.left(start)
+        kept = {**result.state.memory, **memory, LENGTH: np.array([dt])}
+        return replace(result, state=replace(result.state, memory=kept), iterations=spent, put_in=put_in)
 
     def unstable(self, state: State) -> bool:
         """Whether the stiffness matrix at a state is known to have a negative eigenvalue."""
@@ -212,14 +245,9 @@ class Stepper:
         frames = self.model.frames.transport(before.frames, q).state
         return State(stage.t_end, q, v, a, frames, before.inputs, before.memory)
 
-    def _consistent_acceleration(self, state: State) -> FloatArray:
-        """A = -M^-1 r(q, v) on the free DOFs: a wrong start costs Newmark its second order."""
-        r = self.system.linearize(at_state(state), state.q, state.frames).residual
-        free = self.system.pattern.free
-        movable = free[self.model.mass[free] > 0.0]
-        a = np.zeros(len(state.q))
-        a[movable] = -r[movable] / self.model.mass[movable]
-        return a
+    def _jumps(self, state: State) -> bool:
+        """Whether the acceleration jumps at a state: the start, and where a motion lets go."""
+        return state.t in (0.0, self._binding.since)
 
 
 def through_stages(
@@ -227,13 +255,13 @@ def through_stages(
 ) -> StepResult:
     """All stages of the integrator, each by a solver for its balance."""
     system, latest, iterations, indefinite = stepper.system, start, 0, False
-    system.start_step()
     for index in range(stepper.integrator.stages):
         stage = stepper.integrator.stage(index, start, latest, dt)
         ahead = StageProblem(system, stage, latest.frames, settings)
         since = Since(latest.t, latest.q, latest.frames)
         for guess in stepper.predictor.guesses(ahead, since):
-            result = solve(StageProblem(system, stage, latest.frames, settings), guess)
+            problem = StageProblem(system, stage, latest.frames, settings)
+            result = solve(problem, problem.reachable(latest.q, guess))
             iterations += result.iterations
             if result.status is Status.CONVERGED:
                 break

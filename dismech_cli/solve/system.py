@@ -13,12 +13,14 @@ from ..kernels.projection import ProjectedDriver
 from ..kinematics.rod_frames import FrameState
 from ..model.configuration import Configuration
 from ..model.model import Model
-from ..model.term import BoundEnergy, BoundTerm
+from ..model.state import State
+from ..model.term import BoundChanging, BoundEnergy, BoundTerm, Memory
+from ..model.touch import Touch
 from .assembly import Assembly, Linearized, Terms
 from .integrators import Stage
 from .linear.choice import LINEAR_SOLVERS, choose_solver
 from .linear.factors import LinearSolver
-from .overlay import Overlay
+from .overlay import Overlay, convexly, exactly
 from .pattern import SparsityPattern
 
 _EPS = float(np.finfo(np.float64).eps)
@@ -53,7 +55,7 @@ class System:
         symmetric = all_symmetric(couplings) and all(term.symmetric for term in model.changing)
         base = SparsityPattern.build(model.dofs, free, couplings, symmetric=symmetric)
         self._base = self.pattern = base
-        self._exact = Terms.bound(model, base, model.driver)
+        self._exact = Terms.bound(model, base, model.driver, exactly)
         self._overlay = Overlay(base, model.changing, model.driver) if model.changing else None
         self._assembly = Assembly(model, base)
         self._energies = [energy for term in self.terms if (energy := term.potential) is not None]
@@ -73,8 +75,12 @@ class System:
     @property
     def terms(self) -> tuple[BoundTerm, ...]:
         """Every bound term."""
-        changing = () if self._overlay is None else self._overlay.terms
-        return (*self._exact.symmetric, *self._exact.general, *changing)
+        return (*self._exact.symmetric, *self._exact.general, *self.changing)
+
+    @property
+    def changing(self) -> tuple[BoundChanging, ...]:
+        """Those whose stencils come and go."""
+        return () if self._overlay is None else self._overlay.terms
 
     @property
     def energies(self) -> list[BoundEnergy]:
@@ -84,7 +90,7 @@ class System:
     @cached_property
     def _projected(self) -> Terms:
         """The terms with projected tangents; bound when first needed, which is seldom."""
-        return Terms.bound(self.model, self._base, ProjectedDriver(self.model.driver))
+        return Terms.bound(self.model, self._base, ProjectedDriver(self.model.driver), convexly)
 
     def _analysed(self, pattern: SparsityPattern) -> LinearSolver:
         """Take a pattern for that of the matrix; make its solver."""
@@ -93,10 +99,40 @@ class System:
         self.analyses += 1
         return self._make_solver(pattern)
 
-    def start_step(self) -> None:
-        """Forget what came and went in the last step."""
+    def recall(self, state: State) -> None:
+        """Take up what the step to a state left, and forget what came and went in it."""
         if self._overlay is not None:
-            self._overlay.start_step()
+            self._overlay.recall(state.memory)
+
+    def begin_step(self, start: State, dt: float) -> None:
+        """Make ready for a step of ``dt`` [s] from a state that was recalled."""
+        if self._overlay is not None:
+            self._overlay.begin(self.at(start), dt)
+
+    def settle(self, end: State) -> bool:
+        """Whether a step that ended here may stand; if not, what comes and goes will act otherwise."""
+        return self._overlay is None or self._overlay.settle(self.at(end))
+
+    def take_back(self) -> None:
+        """Undo what the last :meth:`settle` changed."""
+        assert self._overlay is not None
+        self._overlay.take_back()
+
+    def left(self, start: State) -> tuple[Memory, float]:
+        """What a step from ``start`` leaves to the next, and the energy that its changes put in [J]."""
+        if self._overlay is None:
+            return start.memory, 0.0
+        return self._overlay.memory(), self._overlay.put_in(self.at(start))
+
+    def touch(self, state: State) -> tuple[Touch, ...]:
+        """What touches at a state."""
+        c = self.at(state)
+        return () if self._overlay is None else tuple(one.touch(c) for one in self._overlay.sets)
+
+    def at(self, state: State) -> Configuration:
+        """A state as a trial point."""
+        frames = self.model.frames.transport(state.frames, state.q)
+        return Configuration(state.law_time, state.q, state.v, frames, state.inputs)
 
     def configuration(self, stage: Stage, q: FloatArray, stored: FrameState) -> Configuration:
         """Evaluate the trial point of a stage."""
@@ -139,15 +175,27 @@ class System:
             term.add_residual(c, rest)
         return sum(float(term.energy(c).sum()) for term in self._energies), rest
 
-    def longest_step(self, stage: Stage, q: FloatArray, step: FloatArray, stored: FrameState) -> float:
-        """Part in (0, 1] of a step of the free DOFs, shape (m,), on which nothing passes through anything."""
+    def longest_step(self, stage: Stage, q: FloatArray, end: FloatArray, stored: FrameState) -> float:
+        """Part in (0, 1] of the way from ``q`` to ``end`` on which nothing passes through anything."""
         if self._overlay is None:
             return 1.0
-        end = q.copy()
-        end[self.pattern.free] += step
         return self._overlay.longest_step(
             self.configuration(stage, q, stored), self.configuration(stage, end, stored)
         )
+
+    def reverses(self, stage: Stage, q: FloatArray, end: FloatArray, stored: FrameState) -> bool:
+        """Whether friction turns round on the way from ``q`` to ``end``."""
+        return self._overlay is not None and self._overlay.reverses(
+            self.configuration(stage, q, stored), self.configuration(stage, end, stored)
+        )
+
+    def residual(self, stage: Stage, q: FloatArray, stored: FrameState) -> FloatArray:
+        """M a + r alone, shape (n,)."""
+        c = self.configuration(stage, q, stored)
+        r: FloatArray = self.model.mass * stage.acceleration(q)
+        for term in self.terms:
+            term.add_residual(c, r)
+        return r
 
     def round_off(self, values: FloatArray, q: FloatArray) -> float:
         """Norm of the residual that rounding of positions alone explains [N]."""

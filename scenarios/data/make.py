@@ -30,8 +30,20 @@ def gridshell() -> str:
     return "\n".join([*(f"v {x:g} {y:g} 0" for x, y in numbers), *(f"l {chain}" for chain in chains), ""])
 
 
+def overhand_knot(nodes: int = 121, unit: float = 8e-3) -> np.ndarray:
+    """The long trefoil of Shastri (1992), a curve of polynomials, in nodes of equal spacing, shape (n, 3)."""
+    t = np.linspace(-2.02, 2.02, 40_001)
+    curve = unit * np.column_stack([t**3 - 3.0 * t, t**5 - 10.0 * t, t**4 - 4.0 * t**2])
+    arc = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(curve, axis=0), axis=1))))
+    even = np.linspace(0.0, arc[-1], nodes)
+    return np.column_stack([np.interp(even, arc, curve[:, k]) for k in range(3)])
+
+
 if __name__ == "__main__":
     np.savetxt(
         HERE / "helix_lead_in.csv", helix_lead_in(), fmt="%.12g", delimiter=",", header="x,y,z", comments=""
     )
     (HERE / "gridshell.obj").write_text(gridshell())
+    np.savetxt(
+        HERE / "overhand_knot.csv", overhand_knot(), fmt="%.12g", delimiter=",", header="x,y,z", comments=""
+    )

@@ -23,6 +23,11 @@ NAMES = sorted(file.stem for file in FOLDER.glob("*.yaml"))
 BUCKLING = {"contortion"}  # from the first step on, which is too long for it
 SLOW = {
     "boundary_motion",
+    "entanglement_gripper",
+    "overhand_knot",
+    "draped_rope",
+    "rod_drop",
+    "capstan",
     "cantilever_dynamic_1e5",
     "dlo_manipulation",
     "helix_lead_in",

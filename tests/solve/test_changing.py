@@ -135,10 +135,10 @@ def test_within_a_step_places_stay_and_the_next_step_lets_them_go() -> None:
     assert sizes[0] < sizes[1] == sizes[2] == sizes[3]
     assert analyses == [1, 2, 2, 2]
     grown = system.pattern
-    system.start_step()
+    system.recall(state)
     system.linearize(stage, bent, state.frames)
     assert system.pattern is grown
-    system.start_step()
+    system.recall(state)
     system.linearize(stage, straight, state.frames)
     assert system.pattern.nnz == sizes[0]
     assert system.analyses == 3

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -12,6 +13,7 @@ from dismech_cli.kernels.driver import Driver
 from dismech_cli.kernels.linearization import Coupling, Linearization, Pattern
 from dismech_cli.kinematics.dofs import DofMap
 from dismech_cli.model.configuration import Configuration
+from dismech_cli.model.touch import Touch
 
 
 @dataclass(frozen=True)
@@ -113,6 +115,42 @@ class ComingAndGoing(_Bound):
     """Only the springs within reach are there; counts how often that changed."""
 
     changes = 0
+    symmetric = True
+
+    @property
+    def terms(self) -> tuple[ComingAndGoing, ...]:
+        return (self,)
+
+    def add_convex_linearization(self, c: Configuration, into: Linearization) -> None:
+        self.add_linearization(c, into)
+
+    def heat(self, c: Configuration, v: FloatArray) -> float:
+        return 0.0
+
+    def recall(self, memory: Mapping[str, FloatArray]) -> None:
+        pass
+
+    def begin(self, start: Configuration, dt: float) -> None:
+        pass
+
+    def reverses(self, start: Configuration, end: Configuration) -> bool:
+        return False
+
+    def settle(self, end: Configuration) -> bool:
+        return True
+
+    def take_back(self) -> None:
+        raise AssertionError("every step stands")
+
+    def put_in(self, start: Configuration) -> float:
+        return 0.0
+
+    def memory(self) -> Mapping[str, FloatArray]:
+        return {}
+
+    def touch(self, c: Configuration) -> Touch:
+        none = np.empty(0)
+        return Touch((), none.astype(np.int64), none, none, none, none)
 
     def detect(self, c: Configuration) -> bool:
         _, distance = self.springs.vectors(c.q)

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from operator import attrgetter
+
 import numpy as np
 
 from ...arrays import IntArray
 from ...run.observables import probes
 from ...scenario.language.probe import (
+    ContactProbe,
     DisplacementProbe,
     DistanceProbe,
     EnergyProbe,
@@ -23,6 +26,18 @@ from ...scenario.language.probe import (
 from ...scenario.text.tree import KeyPath
 from ..scene import Scene
 from ..structure.structure import Structure
+from ..touching import named_pairs
+
+_FORCES = {
+    "force": (attrgetter("normal"), attrgetter("friction")),
+    "normal": (attrgetter("normal"),),
+    "friction": (attrgetter("friction"),),
+}
+_NUMBERS = {
+    "load": (attrgetter("load"), "N"),
+    "places": (attrgetter("counts"), "1"),
+    "depth": (attrgetter("depth"), "1"),
+}
 
 AXES = {"x": 0, "y": 1, "z": 2, "magnitude": None}
 
@@ -80,6 +95,8 @@ def make_probe(scene: Scene, structure: Structure, probe: Probe, path: KeyPath) 
             return probes.Turn(edges, along / np.linalg.norm(along, axis=1)[:, None])
         case LoadFactorProbe():
             return probes.LoadFactor()
+        case ContactProbe():
+            return _touch_probe(scene, probe, path)
         case StabilityProbe():
             return probes.NegativeEigenvalues()
 
@@ -90,3 +107,21 @@ def _held_with(scene: Scene, structure: Structure, nodes: IntArray) -> IntArray:
         if hold.nodes.size and np.isin(scene.places.nodes(("motions", index, "where")), nodes).all():
             nodes = np.union1d(nodes, hold.nodes)
     return nodes
+
+
+def _touch_probe(scene: Scene, probe: ContactProbe, path: KeyPath) -> probes.Probe:
+    """A probe of a pair that may touch.
+
+    Raises:
+        ScenarioError: The two may not.
+    """
+    a, b = probe.contact
+    pairs = named_pairs(scene.scenario)
+    pair = next((pair for pair in ((a, b), (b, a)) if pair in pairs), None)
+    if pair is None:
+        raise scene.error((*path, "contact"), f"contact has no pair of {a!r} and {b!r}")
+    if probe.measure in _FORCES:
+        return probes.TouchForce(
+            pair, 1.0 if pair == (a, b) else -1.0, _FORCES[probe.measure], AXES[probe.component]
+        )
+    return probes.TouchNumber(pair, *_NUMBERS[probe.measure])

@@ -18,11 +18,13 @@ from ...mesh.topology.rods import ChainKind, chains, rod_stencils
 from ...scenario.language.actuation import CurvatureActuation, TwistActuation
 from ...scenario.language.force import Distributed, Point
 from ...scenario.language.motion import Twist
-from ...scenario.language.numerics import Static
+from ...scenario.language.numerics import GeneralizedAlpha, Static
 from ...scenario.language.probe import TwistProbe
+from ...scenario.language.scenario import Scenario
 from ..bodies.geometry import Geometry
 from ..scene import Scene
 from ..shells.bending import bending_of
+from ..touching import named_pairs
 from .clamps import clamp_words
 from .doubts import scene_doubts
 from .holds import Hold, twists
@@ -106,13 +108,39 @@ def make_plan(scene: Scene, holds: tuple[Hold, ...], kernels: str | None = None)
     static = isinstance(scenario.numerics.integrator, Static)
     if static:
         decisions.append(Decision("no inertia", "static: mass enters the weight only"))
-    viscous = any(material.relaxation_time > 0.0 for material in scenario.materials.values())
+    decisions += _contact(scenario)
+    rubs = scenario.contact is not None and scenario.contact.friction is not None
+    viscous = rubs or any(material.relaxation_time > 0.0 for material in scenario.materials.values())
     if not viscous and not any(force.velocity_dependent for force in scenario.forces):
         decisions.append(Decision("no damping matrix", "no force depends on velocity"))
     warnings = list(scene_doubts(scene, holds))
     kernels, why = (kernels, "as in the resumed run") if kernels else _kernels(scene, warnings)
     decisions.append(Decision(f"kernels by {kernels}", why))
     return Plan(axes, bending, static, kernels, tuple(decisions), tuple(warnings))
+
+
+def _contact(scenario: Scenario) -> Iterator[Decision]:
+    spec = scenario.contact
+    if spec is None:
+        return
+    pairs = named_pairs(scenario)
+    obstacles = {one.name for one in scenario.obstacles}
+    among = sum(second not in obstacles for _, second in pairs)
+    what = f"contact of {len(pairs) - among} pairs with obstacles and {among} of bodies"
+    allowed = spec.law.allowed
+    if allowed is None:
+        yield Decision(what, f"as stiff as given, {spec.law.stiffness:g} Pa, however deep bodies then come")
+    else:
+        yield Decision(
+            what, f"as stiff as weights and impacts ask for, at most {allowed:.3g} of a thickness deep"
+        )
+    if scenario.numerics.integrator == GeneralizedAlpha(type="generalized_alpha", spectral_radius=0.0):
+        yield Decision(
+            "generalized_alpha with spectral radius 0",
+            "the default with contact: impacts make no energy, and frames show what is in balance",
+        )
+    if among:
+        yield Decision("a matrix whose pattern grows", "bodies that touch couple nodes anywhere")
 
 
 def _check_planar(scene: Scene, axes: tuple[int, ...]) -> None:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
+from ...model.touch import Touch
 from .snapshot import Snapshot
 
 
@@ -139,6 +141,49 @@ class LoadFactor:
     def __call__(self, s: Snapshot) -> float:
         """Read it."""
         return s.state.law_time
+
+
+@dataclass(frozen=True, slots=True)
+class TouchForce:
+    """Force of one body on another.
+
+    Attributes:
+        pair: Names of the two.
+        sign: -1 where the force on the second is asked for.
+        parts: What is summed of a pair of a :class:`~dismech_cli.model.touch.Touch`.
+        axis: Component, or None for the magnitude.
+    """
+
+    pair: tuple[str, str]
+    sign: float
+    parts: tuple[Callable[[Touch], FloatArray], ...]
+    axis: int | None
+    unit: str = "N"
+
+    def __call__(self, s: Snapshot) -> float:
+        """Read it."""
+        touch, k = s.touches[self.pair]
+        return _component(self.sign * sum((part(touch)[k] for part in self.parts), np.zeros(3)), self.axis)
+
+
+@dataclass(frozen=True, slots=True)
+class TouchNumber:
+    """A number of a pair that touches.
+
+    Attributes:
+        pair: Names of the two.
+        read: What of each pair.
+        unit: SI unit.
+    """
+
+    pair: tuple[str, str]
+    read: Callable[[Touch], FloatArray | IntArray]
+    unit: str
+
+    def __call__(self, s: Snapshot) -> float:
+        """Read it."""
+        touch, k = s.touches[self.pair]
+        return float(self.read(touch)[k])
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,6 +12,7 @@ from ...kinematics.dofs import DofMap
 from ...kinematics.rod_frames import TrialFrames
 from ...model.model import Model
 from ...model.state import State
+from ...model.touch import Touch
 
 
 @dataclass(frozen=True)
@@ -25,6 +26,7 @@ class Snapshot:
         measure_energies: Gives the energy account [J] by name.
         count_negative: Gives the number of negative eigenvalues of the stiffness, NaN if it is singular.
         stencil_energies: Gives the energy of each stencil of a named energy [J], shape (S,).
+        touching: Gives what touches, pair by pair.
         natural: Gives the natural strains of a named energy at the time of the state, shape (naturals, S).
     """
 
@@ -35,6 +37,7 @@ class Snapshot:
     count_negative: Callable[[], float]
     stencil_energies: Callable[[str], FloatArray]
     natural: Callable[[str], FloatArray]
+    touching: Callable[[], tuple[Touch, ...]]
 
     @property
     def dofs(self) -> DofMap:
@@ -65,6 +68,11 @@ class Snapshot:
     def energies(self) -> Mapping[str, float]:
         """Energy account [J] by name."""
         return self.measure_energies()
+
+    @cached_property
+    def touches(self) -> Mapping[tuple[str, str], tuple[Touch, int]]:
+        """What touches, and the number of the pair in it, by the names of the pair."""
+        return {pair: (touch, k) for touch in self.touching() for k, pair in enumerate(touch.pairs)}
 
     @property
     def finite(self) -> bool:

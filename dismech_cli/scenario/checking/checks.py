@@ -19,6 +19,7 @@ from ..language.seam import Seam
 from ..text.tree import KeyPath
 from ..values.law import PLACES, ExpressionLaw
 from ..views.walk import probes, walk
+from .contact import contact_findings
 from .finding import Finding
 from .names import name_findings
 from .pictures import picture_findings
@@ -44,6 +45,7 @@ def findings(scenario: Scenario) -> Iterator[Finding]:
     yield from _output(scenario)
     yield from picture_findings(scenario)
     yield from _expectations(scenario)
+    yield from contact_findings(scenario)
 
 
 def _seams(scenario: Scenario) -> Iterator[Finding]:

@@ -21,6 +21,7 @@ from ..language.surface import (
     SphereSurface,
 )
 from ..values.varying import written
+from .contact import contact_doubts
 from .finding import Finding
 
 SOFTEST, STIFFEST = 1e3, 1.3e12  # [Pa] jelly, diamond
@@ -35,6 +36,7 @@ def doubts(scenario: Scenario) -> Iterator[Finding]:
     yield from _materials(scenario)
     yield from _slenderness(scenario)
     yield from _thinness(scenario)
+    yield from contact_doubts(scenario)
     if not isinstance(scenario.numerics.integrator, Static):
         yield from _inertia(scenario)
     else:

@@ -105,8 +105,8 @@ class Newton(Spec):
         default=None,
         description="What Newton does where the tangent has negative eigenvalues: `none` steps with it and "
         "may settle on an unstable balance; `indefinite` first clamps those of each stencil, so that statics "
-        "go past buckling to a stable shape. By default `indefinite` where statics are driven by motions, "
-        "else `none`.",
+        "go past buckling to a stable shape. By default `indefinite` where statics are driven by motions "
+        "and where bodies touch, else `none`.",
     )
 
 
@@ -139,7 +139,11 @@ class Numerics(Spec):
 
     model_config = ConfigDict(json_schema_extra={"allOf": [_STATIC_HAS_NO_TIME]})
 
-    integrator: Integrator = Field(default=TrBdf2(type="tr_bdf2"), description="Time integrator.")
+    integrator: Integrator = Field(
+        default=TrBdf2(type="tr_bdf2"),
+        description="Time integrator; in scenes with `contact` by default `generalized_alpha` with "
+        "`spectral_radius: 0`.",
+    )
     dt: PositiveTime | None = Field(default=None, description="Time step; required unless static.")
     t_end: PositiveTime | None = Field(default=None, description="End of the run; required unless static.")
     newton: Newton = Field(default=Newton(), description="Nonlinear solver.")

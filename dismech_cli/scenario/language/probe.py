@@ -6,7 +6,7 @@ from typing import Annotated, Literal, TypeAlias
 
 from pydantic import Field, Tag
 
-from ..values.quantity import Name
+from ..values.quantity import Name, TwoNames
 from ..values.selection import SelectedEdges, SelectedNodes, TwoPlaces
 from ..values.spec import Spec, tag, told_by_key
 
@@ -48,9 +48,11 @@ class MeanPositionProbe(Spec):
 
 
 class EnergyProbe(Spec):
-    """An energy; `error` is the drift of the energy balance."""
+    """An energy; `error` is the drift of the energy balance, `friction` what that has turned into heat."""
 
-    energy: Literal["kinetic", "elastic", "gravitational", "total", "error"] = Field(description="Which one.")
+    energy: Literal["kinetic", "elastic", "gravitational", "contact", "friction", "total", "error"] = Field(
+        description="Which one."
+    )
 
 
 class ReactionProbe(Spec):
@@ -78,6 +80,20 @@ class LoadFactorProbe(Spec):
     load_factor: Literal[True] = Field(description="True.")
 
 
+class ContactProbe(Spec):
+    """How two bodies, or a body and an obstacle, touch; forces are those on the first."""
+
+    contact: TwoNames = Field(description="Names of the two; a pair of `contact`.")
+    measure: Literal["force", "normal", "friction", "load", "places", "depth"] = Field(
+        description="`force` is the sum of `normal` and `friction` forces, `load` the sum of the magnitudes "
+        "of normal forces, `places` the number of edges that touch, `depth` the deepest penetration as a "
+        "share of the thickness."
+    )
+    component: Component = Field(
+        default="magnitude", description="Component of a force, or magnitude; the others have none."
+    )
+
+
 class StabilityProbe(Spec):
     """Number of negative eigenvalues of the stiffness: 0 for a stable equilibrium; static only."""
 
@@ -95,6 +111,7 @@ Probe: TypeAlias = Annotated[
     | Annotated[TwistProbe, Tag(tag("twist"))]
     | Annotated[TurnProbe, Tag(tag("turn"))]
     | Annotated[LoadFactorProbe, Tag(tag("load_factor"))]
+    | Annotated[ContactProbe, Tag(tag("contact"))]
     | Annotated[StabilityProbe, Tag(tag("negative_eigenvalues"))],
     told_by_key(
         "displacement",
@@ -107,6 +124,7 @@ Probe: TypeAlias = Annotated[
         "twist",
         "turn",
         "load_factor",
+        "contact",
         "negative_eigenvalues",
     ),
 ]
@@ -123,6 +141,10 @@ def quantity_of(probe: Probe) -> str:
             return "force"
         case TwistProbe() | TurnProbe():
             return "angle"
+        case ContactProbe(measure="places" | "depth"):
+            return "ratio"
+        case ContactProbe():
+            return "force"
         case StabilityProbe() | LoadFactorProbe():
             return "ratio"
         case DisplacementProbe() | PositionProbe() | DistanceProbe() | MeanPositionProbe():

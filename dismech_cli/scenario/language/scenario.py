@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Annotated, Any, Final, Literal, TypeAlias
 
 from annotated_types import Len
-from pydantic import Field, Strict
+from pydantic import Field, Strict, model_validator
 
 from ..values.quantity import FileName, Name
 from ..values.spec import Spec
 from .actuation import Actuation
+from .contact import Contact
 from .expect import Expectation
 from .force import Force
 from .geometry import Body, Rod, Shell
@@ -20,9 +23,13 @@ from .mass import PointMass
 from .material import Material
 from .motion import InitialVelocity, Motion
 from .numerics import Numerics
+from .obstacle import Obstacle
 from .output import Output
 
 SCHEMA_VERSION: Final = 1
+
+CONTACT_INTEGRATOR: Final = MappingProxyType({"type": "generalized_alpha", "spectral_radius": 0.0})
+"""The integrator of scenes with contact that name none."""
 
 # A name becomes a folder: no separators, no leading dot, no trailing dot, no device names.
 SafeName: TypeAlias = Annotated[
@@ -63,6 +70,10 @@ class Scenario(Spec):
     initial: Initial | None = Field(
         default=None, description="Where the run starts; default: at rest, in the rest shape."
     )
+    obstacles: Annotated[tuple[Obstacle, ...], Len(0, 1_000), Strict(False)] = Field(
+        default=(), description="Rigid bodies in the way; `contact` says who touches them."
+    )
+    contact: Contact | None = Field(default=None, description="Contact and friction; default: none.")
     initial_velocity: Annotated[tuple[InitialVelocity, ...], Strict(False)] = Field(
         default=(), description="Velocities at t = 0; everything else starts at rest, or as `initial` says."
     )
@@ -74,6 +85,17 @@ class Scenario(Spec):
     expect: dict[Name, Expectation] = Field(
         default={}, description="Numbers that the run must give, by name."
     )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _default_integrator(cls, data: Any) -> Any:
+        """Impacts must not make energy, and frames must not lie within others: see docs/contact.md."""
+        if not isinstance(data, Mapping) or data.get("contact") is None:
+            return data
+        numerics = data.get("numerics")
+        if not isinstance(numerics, Mapping) or "integrator" in numerics:
+            return data
+        return {**data, "numerics": {**numerics, "integrator": dict(CONTACT_INTEGRATOR)}}
 
     @property
     def rods(self) -> dict[int, Rod]:

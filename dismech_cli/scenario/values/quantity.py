@@ -158,6 +158,7 @@ class FileReference:
 
 FileName: TypeAlias = Annotated[str, FileReference(), Field(min_length=1, max_length=1000)]
 Name: TypeAlias = Annotated[str, Field(max_length=64, pattern=r"^[A-Za-z_][A-Za-z0-9_-]*$")]
+TwoNames: TypeAlias = Annotated[tuple[Name, ...], Len(2, 2), Strict(False)]
 Index: TypeAlias = Annotated[int, Field(ge=0)]
 NodeCount: TypeAlias = Annotated[int, Field(ge=2, le=10_000_000)]
 Column: TypeAlias = str | Index

@@ -1,0 +1,51 @@
+"""Terms whose stencils come and go; a scene without contact loads none of their code."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ..model.term import ChangingTerm
+from ..run.validity import Check
+from .scene import Scene
+from .structure.structure import Structure
+
+
+@dataclass(frozen=True, slots=True)
+class Changing:
+    """What comes and goes, with its place in the energy account.
+
+    Attributes:
+        terms: The terms.
+        storing: Names of the bound terms that store the energy of contact.
+        rubbing: Names of those that turn energy into heat.
+        checks: What a run must not pass unseen.
+        warnings: What is doubtful at the start.
+    """
+
+    terms: tuple[ChangingTerm, ...] = ()
+    storing: tuple[str, ...] = ()
+    rubbing: tuple[str, ...] = ()
+    checks: tuple[Check, ...] = ()
+    warnings: tuple[str, ...] = ()
+
+
+def make_changing(scene: Scene, structure: Structure) -> Changing:
+    """Contact, if the scene has any.
+
+    Raises:
+        ScenarioError: It asks for what cannot be.
+    """
+    if scene.scenario.contact is None:
+        return Changing()
+    from ..contact.terms import FRICTION, NORMAL
+    from .contact.contact import make_contact
+    from .contact.doubts import depth_check, start_doubts
+
+    contact = make_contact(scene, structure)
+    return Changing(
+        terms=(contact,),
+        storing=(NORMAL,),
+        rubbing=() if contact.friction is None else (FRICTION,),
+        checks=(depth_check(contact),),
+        warnings=tuple(start_doubts(scene, structure, contact)),
+    )

@@ -1,0 +1,94 @@
+"""Contact of the scene as a term of the model."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...arrays import FloatArray
+from ...contact.contact import Contact, Friction
+from ...contact.lines import Lines
+from ...contact.stiffness import Given, Rule, Tolerant
+from ...contact.terms import FullFriction, SymmetricFriction
+from ...contact.walls import Wall
+from ...scenario.language.contact import Contact as ContactSpec
+from ...scenario.language.contact import PenaltyLaw
+from ..scene import Scene
+from ..structure.structure import Structure
+from ..touching import named_pairs
+from .lines import make_lines
+from .neighbours import make_neighbours
+from .obstacles import make_obstacle
+from .pairs import Pair, body_pairs, wall_pairs
+
+# At factor one weight alone presses bodies in by this part of the tolerance.
+_RESTING = 0.5
+
+
+def make_contact(scene: Scene, structure: Structure) -> Contact:
+    """Contact as the scene asks for it.
+
+    Raises:
+        ScenarioError: It asks for what cannot be.
+    """
+    spec = scene.scenario.contact
+    assert spec is not None
+    lines = make_lines(scene, structure)
+    walls, bodies = wall_pairs(scene.scenario), body_pairs(scene.scenario)
+    rule, stiffness = _hardness(spec.law, lines)
+    return Contact(
+        map=structure.dofs,
+        lines=lines,
+        walls=tuple(_walls(scene, structure, lines, stiffness, walls)),
+        neighbours=make_neighbours(scene, structure, lines, stiffness),
+        rule=rule,
+        friction=_friction(spec, among_bodies=bool(bodies)),
+        pairs=tuple(named_pairs(scene.scenario)),
+    )
+
+
+def _hardness(law: PenaltyLaw, lines: Lines) -> tuple[Rule, FloatArray]:
+    """The rule, and the stiffness of each line at factor one: that which carries its weight."""
+    if law.allowed is None:
+        return Given(), np.full(len(lines.nodes), law.stiffness)
+    return Tolerant(law.allowed), lines.loads / (2.0 * _RESTING * law.allowed * 2.0 * lines.radii)
+
+
+def _friction(spec: ContactSpec, *, among_bodies: bool) -> Friction | None:
+    rough = spec.friction
+    if rough is None:
+        return None
+    match rough.tangent:
+        case "full":
+            kind: type[FullFriction] | type[SymmetricFriction] = FullFriction
+        case "symmetric":
+            kind = SymmetricFriction
+        case "auto":
+            kind = SymmetricFriction if among_bodies else FullFriction
+    return Friction(rough.slip_speed, kind)
+
+
+def _walls(
+    scene: Scene, structure: Structure, lines: Lines, stiffness: FloatArray, pairs: list[Pair]
+) -> list[Wall]:
+    walls = []
+    for index, one in enumerate(scene.scenario.obstacles):
+        mine = [pair for pair in pairs if pair.second == index]
+        if not mine:
+            continue
+        friction, label = np.zeros(len(lines.names)), np.full(len(lines.names), -1)
+        for pair in mine:
+            friction[pair.first], label[pair.first] = pair.friction, pair.label
+        numbers = np.flatnonzero(label[lines.bodies] >= 0)
+        bodies = lines.bodies[numbers]
+        walls.append(
+            Wall(
+                obstacle=make_obstacle(scene, one),
+                lines=lines.some(numbers),
+                numbers=numbers,
+                stiffness=stiffness[numbers],
+                friction=friction[bodies],
+                labels=label[bodies],
+                map=structure.dofs,
+            )
+        )
+    return walls

@@ -1,0 +1,97 @@
+"""What of contact is doubtful: bodies that start within others, and those that come too deep."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...arrays import FloatArray
+from ...contact.contact import DEEPEST, Contact
+from ...contact.neighbours import Neighbours
+from ...run.observables.snapshot import Snapshot
+from ...run.validity import Check
+from ..scene import Scene
+from ..structure.structure import Structure
+
+# What rounding makes of a body that lies on another.
+_ROUNDING = 1e-6
+
+
+@dataclass(frozen=True, slots=True)
+class Depth:
+    """Deepest penetration so far of each line, as a share of the thickness.
+
+    Attributes:
+        count: Number of lines.
+    """
+
+    count: int
+
+    def __call__(self, s: Snapshot) -> FloatArray:
+        """Read what the steps left."""
+        return s.state.memory.get(DEEPEST, np.zeros(self.count))
+
+
+def depth_check(contact: Contact) -> Check:
+    """That no body comes deeper than the tolerance."""
+    allowed = contact.rule.tolerance
+    return Check(
+        Depth(len(contact.lines.nodes)),
+        allowed * (1.0 + _ROUNDING),
+        contact.lines.nodes[:, 0],
+        lambda value: (
+            f"bodies press into each other by {value:.1%} of their thickness, not {allowed:.3g}"
+            if value < 0.5
+            else f"bodies press into each other by {value:.0%} of their thickness: they pass through"
+        ),
+        "reduce numerics.dt, or make contact stiffer: see contact.law",
+    )
+
+
+def start_doubts(scene: Scene, structure: Structure, contact: Contact) -> Iterator[str]:
+    """Bodies that start within obstacles, each pair with how deep."""
+    x = structure.dofs.space_positions(structure.rest)
+    thickness = 2.0 * contact.lines.radii
+    for wall in contact.walls:
+        depth = np.maximum(wall.lines.radii - wall.gaps(x, 0.0), 0.0)
+        for label in np.unique(wall.labels).tolist():
+            mine = wall.labels == label
+            share = float((depth / thickness[wall.numbers])[mine].max(initial=0.0))
+            if share > contact.rule.tolerance * (1.0 + _ROUNDING):
+                body, obstacle = contact.pairs[label]
+                deep = float(depth[mine].max())
+                yield scene.loaded.warning(
+                    ("contact",),
+                    f"'{body}' starts {deep:.3g} m within '{obstacle}', {share:.0%} of its thickness: "
+                    "it will be thrown out; move one of them",
+                )
+    if contact.neighbours is not None:
+        yield from _bodies_within(scene, contact, contact.neighbours, x)
+
+
+def _bodies_within(scene: Scene, contact: Contact, found: Neighbours, x: FloatArray) -> Iterator[str]:
+    """Bodies that start within others, and those that are nearer to themselves than they are thick."""
+    names, bodies, radii = contact.lines.names, contact.lines.bodies, contact.lines.radii
+    if len(found.tight):
+        pairs = found.pairs(found.tight)
+        for body in np.unique(bodies[pairs[:, 0]]).tolist():
+            nearest = float(found.tight_reach[bodies[pairs[:, 0]] == body].min())
+            yield scene.loaded.warning(
+                ("contact",),
+                f"'{names[body]}' is nearer to itself at rest than it is thick: such places touch only "
+                f"as they come nearer than they start, {nearest:.3g} m at the least",
+            )
+    near = found.search(x, 0.0)
+    shares = (found.reach(near) - found.distances(x, near)) / radii[near].sum(axis=1)
+    labels = found.labels[bodies[near[:, 0]], bodies[near[:, 1]]]
+    deep = shares > contact.rule.tolerance * (1.0 + _ROUNDING)
+    for label in np.unique(labels[deep]).tolist():
+        one, other = contact.pairs[label]
+        share = float(shares[deep & (labels == label)].max())
+        yield scene.loaded.warning(
+            ("contact",),
+            f"'{one}' starts within '{other}' by {share:.0%} of their thickness: they will be thrown apart; "
+            "move one of them",
+        )

@@ -1,0 +1,74 @@
+"""Bodies of a scene that may touch each other."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from ...arrays import FloatArray
+from ...contact.exclusion import near_along
+from ...contact.lines import Lines
+from ...contact.neighbours import Neighbours
+from ..scene import Scene
+from ..structure.structure import Structure
+from .pairs import body_pairs
+
+# Lines of one body that are nearer at rest than they are thick touch from this share of that distance on.
+_TIGHT = 0.999
+
+
+def make_neighbours(
+    scene: Scene, structure: Structure, lines: Lines, stiffness: FloatArray
+) -> Neighbours | None:
+    """Who may touch whom; None if no body may touch a body.
+
+    Raises:
+        ScenarioError: A shell would touch a body.
+    """
+    pairs = body_pairs(scene.scenario)
+    if not pairs:
+        return None
+    given = scene.scenario.contact is not None and scene.scenario.contact.pairs is not None
+    shells = {key for pair in pairs for key in (pair.first, pair.second)}.intersection(
+        scene.geometry.shell_keys
+    )
+    if shells:
+        name = lines.names[min(shells)]
+        raise scene.error(
+            ("contact", "pairs") if given else ("contact",),
+            f"bodies may not touch shells yet, such as '{name}'; give `pairs` of rods with each other and of "
+            "bodies with obstacles",
+        )
+    count = len(lines.names)
+    labels = np.full((count, count), -1, dtype=np.int64)
+    signs, friction = np.ones((count, count)), np.zeros((count, count))
+    for pair in pairs:
+        for a, b in ((pair.first, pair.second), (pair.second, pair.first)):
+            labels[a, b], friction[a, b] = pair.label, pair.friction
+        if pair.first != pair.second:
+            signs[pair.second, pair.first] = -1.0
+    involved = np.flatnonzero((labels >= 0).any(axis=1))
+    nothing = np.empty(0, dtype=np.int64)
+    found = Neighbours(
+        lines=lines,
+        numbers=np.flatnonzero(np.isin(lines.bodies, involved)),
+        stiffness=stiffness,
+        labels=labels,
+        signs=signs,
+        friction=friction,
+        excluded=near_along(lines.nodes, lines.lengths, lines.radii, structure.dofs.n_nodes),
+        tight=nothing,
+        tight_reach=np.empty(0),
+        map=structure.dofs,
+    )
+    return _with_tight(found, structure.dofs.space_positions(structure.rest))
+
+
+def _with_tight(found: Neighbours, x: FloatArray) -> Neighbours:
+    """With the reach of pairs within a body that are nearer at rest than they are thick."""
+    near = found.search(x, 0.0)
+    near = near[found.lines.bodies[near[:, 0]] == found.lines.bodies[near[:, 1]]]
+    distance = found.distances(x, near)
+    tight = distance < found.reach(near)
+    return replace(found, tight=found.keys(near[tight]), tight_reach=_TIGHT * distance[tight])

@@ -1,0 +1,1 @@
+"""Contact and friction: lines of bodies against obstacles and against each other."""

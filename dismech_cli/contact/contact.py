@@ -1,0 +1,236 @@
+"""Contact as a term of the model, and what its bound terms share."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..arrays import FloatArray
+from ..kernels.driver import Driver
+from ..kernels.linearization import Coupling
+from ..kinematics.dofs import DofMap
+from ..model.configuration import Configuration
+from ..model.term import BoundChanging, Memory
+from ..model.touch import Touch
+from .lines import Lines
+from .near_wall import NearWall
+from .neighbours import Neighbours
+from .rod_pairs import RodPairs
+from .source import Source
+from .stencils import Stencils
+from .stiffness import Hardness, Rule, given_up
+from .sums import deepest, summed
+from .terms import FullFriction, NormalTerm, SymmetricFriction
+from .touching import Touching
+from .walls import Wall
+
+HARDNESS, DEEPEST = "contact.hardness", "contact.deepest"
+
+
+@dataclass(frozen=True, slots=True)
+class Friction:
+    """Regularised Coulomb friction.
+
+    Attributes:
+        slip_speed: Speed at which it is all but full [m/s].
+        kind: Which tangent Newton's method is given.
+    """
+
+    slip_speed: float
+    kind: type[SymmetricFriction] | type[FullFriction]
+
+
+@dataclass(frozen=True, slots=True)
+class Contact:
+    """Who may touch whom, how stiff and how rough; implements :class:`~dismech_cli.model.term.ChangingTerm`.
+
+    Attributes:
+        map: Numbering of the DOFs.
+        lines: All lines.
+        walls: Obstacles with the lines that may touch them.
+        neighbours: Bodies that may touch each other; None if none may.
+        rule: Decides on the stiffness.
+        friction: None where all is smooth.
+        pairs: Names of the pairs of bodies.
+    """
+
+    map: DofMap
+    lines: Lines
+    walls: tuple[Wall, ...]
+    neighbours: Neighbours | None
+    rule: Rule
+    friction: Friction | None
+    pairs: tuple[tuple[str, str], ...]
+
+    @property
+    def velocity_dependent(self) -> bool:
+        """Whether anything rubs."""
+        return self.friction is not None
+
+    @property
+    def symmetric(self) -> bool:
+        """Whether the tangents are symmetric."""
+        return self.friction is None or self.friction.kind.symmetric
+
+    @property
+    def spreads(self) -> bool:
+        """Whether bodies touch each other; obstacles couple nothing that their lines do not."""
+        return self.neighbours is not None
+
+    def start(self, driver: Driver) -> Contacts:
+        """What the terms share, with the terms."""
+        return Contacts(self)
+
+
+class Contacts:
+    """Who touches whom; implements :class:`~dismech_cli.model.term.ChangingSet`."""
+
+    def __init__(self, contact: Contact) -> None:
+        self._contact = contact
+        # in this step, before it, and in the next
+        self._now = self._early = self._later = Hardness()
+        self._deepest = self._by_end = np.zeros(len(contact.lines.nodes))
+        self._end = np.empty((0, 3))
+        self._sources: tuple[Source, ...] = tuple(NearWall(wall) for wall in contact.walls)
+        if contact.neighbours is not None:
+            self._sources = (*self._sources, RodPairs(contact.neighbours))
+        self.couplings: tuple[Coupling, ...] = ()
+        self._list()
+        self._at: Configuration | None = None
+        self._touching: tuple[Touching, ...] = ()
+        normal = NormalTerm(self, steady=all(source.steady for source in self._sources))
+        rough = contact.friction
+        self._friction = None if rough is None else rough.kind(self, rough.slip_speed)
+        self.terms: tuple[BoundChanging, ...] = (
+            (normal,) if self._friction is None else (normal, self._friction)
+        )
+
+    def recall(self, memory: Memory) -> None:
+        """Take the stiffness that the last step left."""
+        early, later, calm, mark = memory.get(HARDNESS, np.array([1.0, 1.0, 0.0, 0.0])).tolist()
+        self._deepest = self._by_end = memory.get(DEEPEST, np.zeros(len(self._deepest)))
+        self._early = Hardness(early)
+        self._take(Hardness(later, int(calm), mark))
+        for source in self._sources:
+            source.recall(memory)
+
+    def begin(self, start: Configuration, dt: float) -> None:
+        """Take a higher stiffness for what is about to hit."""
+        self._take(self._contact.rule.before(self._now, self._needed(start, dt)))
+
+    def detect(self, c: Configuration) -> bool:
+        """Find what touches; True if items came or went."""
+        x = self._space(c.q)
+        if not any([source.detect(x) for source in self._sources]):
+            return False
+        self._list()
+        return True
+
+    def longest_step(self, start: Configuration, end: Configuration) -> float:
+        """The part on which nothing passes through anything."""
+        x0, x1 = self._space(start.q), self._space(end.q)
+        return min(source.longest_step(x0, x1, start.t, end.t) for source in self._sources)
+
+    def reverses(self, start: Configuration, end: Configuration) -> bool:
+        """Whether the slip of a point that touches at the start turns round, and is no creep."""
+        if self._friction is None:
+            return False
+        return any(
+            self._friction.reverses(touching, self.velocities(touching, end, end.v))
+            for touching in self.touching(start)
+        )
+
+    def settle(self, end: Configuration) -> bool:
+        """Whether nothing is deeper than the rule allows."""
+        rule = self._contact.rule
+        self._end = self._space(end.q)
+        depth = deepest(len(self._deepest), [source.depths(self._end, end.t) for source in self._sources])
+        self._by_end = np.maximum(self._deepest, depth)
+        deep = float(depth.max(initial=0.0)) / rule.tolerance
+        after = rule.after(self._now, deep)
+        self._stood = self._now, given_up(self._now, deep)
+        if after.redos > self._now.redos:
+            self._take(after)
+            return False
+        self._later = after
+        return True
+
+    def take_back(self) -> None:
+        """Go back to the stiffness of the step that was too deep."""
+        self._take(self._stood[0])
+        self._later = self._stood[1]
+
+    def put_in(self, start: Configuration) -> float:
+        """Energy of the change of stiffness since the last step [J]."""
+        share = 1.0 - self._early.factor / self._now.factor
+        return (
+            share * sum(float(touching.points.energy.sum()) for touching in self.touching(start))
+            if share
+            else 0.0
+        )
+
+    def memory(self) -> Memory:
+        """The stiffness in use and the next one, calm steps, and how deep each line has been."""
+        later = self._later
+        return {
+            HARDNESS: np.array([self._now.factor, later.factor, float(later.calm), later.mark]),
+            DEEPEST: self._by_end,
+            **{name: values for source in self._sources for name, values in source.memory(self._end).items()},
+        }
+
+    def touching(self, c: Configuration) -> Sequence[Touching]:
+        """What touches at a configuration; kept until another is asked for."""
+        if self._at is not c:
+            self._touching = tuple(self._found(c))
+            self._at = c
+        return self._touching
+
+    def velocities(self, touching: Touching, c: Configuration, v: FloatArray) -> FloatArray:
+        """Relative velocities at points of contact if the DOFs at ``c`` had velocities (n,), shape (3, K)."""
+        source = self._sources[bisect_right(self._begins, touching.kind) - 1]
+        return source.velocities(touching, self._space(c.q), self._speed(v), c.t)
+
+    def touch(self, c: Configuration) -> Touch:
+        """Sums by pair of bodies."""
+        x = self._space(c.q)
+        depths = [source.depths(x, c.t) for source in self._sources]
+        return summed(self._contact.pairs, self.touching(c), depths, self._friction)
+
+    @property
+    def stencils(self) -> tuple[Stencils, ...]:
+        """Nodes of all items that have places in the matrix, by kind."""
+        return self._stencils
+
+    def _list(self) -> None:
+        """Note which items have places, and where the kinds of each source begin."""
+        kinds = [source.stencils for source in self._sources]
+        self._begins = np.cumsum([0, *(len(own) for own in kinds)]).tolist()
+        self._stencils = tuple(stencils for own in kinds for stencils in own)
+        self.couplings = tuple(stencils.coupling for stencils in self._stencils)
+        self._at = None
+
+    def _take(self, hardness: Hardness) -> None:
+        self._now = self._later = hardness
+        self._at = None
+
+    def _needed(self, start: Configuration, dt: float) -> float:
+        """Factor that stops in time what comes in a step."""
+        x = self._space(start.q)
+        ahead = x + dt * self._speed(start.v)
+        tolerance = self._contact.rule.tolerance
+        return max(source.needed(x, ahead, start.t, dt, tolerance) for source in self._sources)
+
+    def _found(self, c: Configuration) -> Iterator[Touching]:
+        x, v = self._space(c.q), self._speed(c.v)
+        for source, begin in zip(self._sources, self._begins, strict=False):
+            for touching in source.touching(x, v, c.t, self._now.factor):
+                yield replace(touching, kind=begin + touching.kind)
+
+    def _space(self, q: FloatArray) -> FloatArray:
+        return self._contact.map.space_positions(q)
+
+    def _speed(self, v: FloatArray) -> FloatArray:
+        return self._contact.map.embed(self._contact.map.positions(v))

@@ -1,0 +1,219 @@
+"""Lines of bodies that touch each other, either as a line against what the other is made of."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from ..arrays import FloatArray, IntArray
+from ..model.term import Memory
+from .advance import longest_way
+from .cores import whole
+from .neighbours import Neighbours, among, distances
+from .points import round_points
+from .search import MARGIN, Search
+from .source import Depths
+from .stencils import Stencils
+from .stiffness import impact_force
+from .touching import Touching
+
+PAIRS: Final = "contact.pairs"
+
+# Motion within a step may bring lines to half the distance at which they touch, or half as near as they are.
+_NEAREST = 0.5
+# Pairs with places that are out of reach are kept as long as they are fewer than this share, and a few.
+_STALE, _FEW = 0.3, 10
+
+
+@dataclass(frozen=True, slots=True)
+class Rows:
+    """Items of some pairs: either line against the other, and against vertices within that.
+
+    Attributes:
+        directed: Line and what it faces, shape (2 P, 2): all pairs one way, then the other.
+        segments: Nodes of the line and of the segment, shape (2 P, 4).
+        corners: Nodes of a line and a vertex where two segments that it faces may meet, shape (V, 3).
+        corner_line: The line, shape (V,).
+        meeting: Of which corner each end of the segments is one side, -1 if of none, shape (2 P, 2).
+    """
+
+    directed: IntArray
+    segments: IntArray
+    corners: IntArray
+    corner_line: IntArray
+    meeting: IntArray
+
+    @classmethod
+    def of(cls, nodes: IntArray, pairs: IntArray) -> Rows:
+        """Of pairs (P, 2) of lines with nodes (E, 2)."""
+        directed = np.concatenate((pairs, pairs[:, ::-1]))
+        segments = nodes[directed].reshape(-1, 4)
+        count = int(nodes.max(initial=0)) + 1
+        key = directed[:, :1] * count + segments[:, 2:]
+        every, of, times = np.unique(key, return_inverse=True, return_counts=True)
+        of = of.reshape(key.shape)
+        double = times >= 2
+        place = np.where(double, np.cumsum(double) - 1, -1)
+        line, vertex = np.divmod(every[double], count)
+        corners = np.concatenate((nodes[line], vertex[:, None]), axis=1)
+        return cls(directed, segments, corners, line, place[of])
+
+
+class RodPairs:
+    """Finds lines of bodies that touch; implements :class:`.source.Source`."""
+
+    steady = True
+
+    def __init__(self, neighbours: Neighbours) -> None:
+        self._all = neighbours
+        self._search = Search(neighbours)
+        self._listed = np.empty(0, dtype=np.int64)
+        self._changed = True
+        self._list(self._listed)
+
+    def recall(self, memory: Memory) -> None:
+        """Take up the pairs that have places."""
+        listed = memory.get(PAIRS, np.empty(0)).astype(np.int64)
+        if not np.array_equal(listed, self._listed):
+            self._list(listed)
+
+    def memory(self, x: FloatArray) -> Memory:
+        """The pairs that have places; if too many of them are far apart, those that are near."""
+        near = self._search.within(x, MARGIN)
+        many = len(self._listed) > (1.0 + _STALE) * len(near) + _FEW
+        return {PAIRS: (near if many else self._listed).astype(np.float64)}
+
+    def detect(self, x: FloatArray) -> bool:
+        """Give places to all pairs nearby if one that touches has none."""
+        if not among(self._search.within(x, 0.0), self._listed).all():
+            self._list(np.union1d(self._search.within(x, MARGIN), self._listed))
+        changed, self._changed = self._changed, False
+        return changed
+
+    def touching(self, x: FloatArray, v: FloatArray, t: float, factor: float) -> Iterator[Touching]:
+        """Lines against segments, and what the vertices between these count too much."""
+        keys = self._search.within(x, 0.0)
+        active = np.flatnonzero(among(self._listed, keys))
+        if not len(active):
+            return
+        rows, count = self._rows, len(self._listed)
+        both = np.concatenate((active, active + count))
+        reach = np.tile(self._all.reach(self._all.pairs(self._listed[active])), 2)
+        stiff = self._all.factors(rows.directed[both])
+        yield self._touching(0, both, rows.segments, rows.directed[both], reach, factor * stiff, x, v)
+        met = rows.meeting[both].reshape(-1)
+        sides = np.bincount(met[met >= 0], minlength=len(rows.corners))
+        corners = np.flatnonzero(sides >= 2)
+        if not len(corners):
+            return
+        # of the segments that meet there any has the reach and the stiffness: the last does
+        last = np.zeros(len(rows.corners), dtype=np.int64)
+        owner = np.repeat(np.arange(len(both)), 2)[met >= 0]
+        last[met[met >= 0]] = owner
+        own = last[corners]
+        faced = rows.directed[both][own]
+        scale = -(sides[corners] - 1.0) * stiff[own]
+        yield self._touching(1, corners, rows.corners, faced, reach[own], factor * scale, x, v)
+
+    def velocities(self, touching: Touching, x: FloatArray, v: FloatArray, t: float) -> FloatArray:
+        """Relative velocities at points of contact [m/s], shape (3, K)."""
+        return touching.points.relative(touching.stencils.gathered(v))
+
+    @property
+    def stencils(self) -> tuple[Stencils, ...]:
+        """Nodes of lines and segments, and of lines and vertices."""
+        return self._stencils
+
+    def depths(self, x: FloatArray, t: float) -> Depths:
+        """Penetration of pairs of lines, told of the first."""
+        pairs = self._all.pairs(self._search.within(x, 0.0))
+        lines, reach = self._all.lines, self._all.reach(pairs)
+        depth = reach - self._all.distances(x, pairs)
+        shares = depth / lines.radii[pairs].sum(axis=1)
+        return Depths(
+            pairs[:, 0], shares, self._all.labels[lines.bodies[pairs[:, 0]], lines.bodies[pairs[:, 1]]]
+        )
+
+    def needed(self, x: FloatArray, ahead: FloatArray, t: float, dt: float, tolerance: float) -> float:
+        """Factor of the stiffness that stops what comes."""
+        every, lines = self._all, self._all.lines
+        pairs = self._search.reaching(x, ahead)
+        reach, later = every.reach(pairs), every.distances(ahead, pairs)
+        coming = np.flatnonzero(later < reach)
+        if not len(coming):
+            return 0.0
+        pairs, later = pairs[coming], later[coming]
+        now = every.distances(x, pairs)
+        depth = tolerance * lines.radii[pairs].sum(axis=1)
+        mass = lines.masses[pairs]
+        reduced = mass.prod(axis=1) / mass.sum(axis=1)
+        force = impact_force(reduced, np.maximum(now - later, 0.0) / dt, depth, dt)
+        directed = np.concatenate((pairs, pairs[:, ::-1]))
+        # of lines so thick that they are as deep as they may be
+        points = self._all.points(x, directed, np.tile(now + depth, 2), self._all.factors(directed))
+        held = np.bincount(points.item % len(pairs), weights=points.load, minlength=len(pairs))
+        return float((force / (held + np.finfo(float).tiny)).max())
+
+    def longest_step(self, x0: FloatArray, x1: FloatArray, t0: float, t1: float) -> float:
+        """Part of the way on which no lines pass through each other."""
+        every = self._all
+        pairs = self._search.reaching(x0, x1)
+        if pairs is self._search.candidates:
+            self._search.measure(x0)
+            # what is too far away to come near needs no closer look
+            nodes = every.lines.nodes
+            moved = np.sqrt(((x1 - x0) ** 2).sum(axis=1))[nodes].max(axis=1)
+            least = np.minimum(_NEAREST * self._search.reach, 0.5 * self._search.distance)
+            pairs = pairs[moved[pairs].sum(axis=1) > self._search.distance - least]
+        if not len(pairs):
+            return 1.0
+        nodes = every.lines.nodes[pairs]
+        ends0 = np.ascontiguousarray(x0[nodes].transpose(1, 2, 3, 0))
+        way = np.ascontiguousarray(x1[nodes].transpose(1, 2, 3, 0)) - ends0
+        apart = way[0][:, None] - way[1][None]
+        speed = np.sqrt((apart * apart).sum(axis=2)).max(axis=(0, 1))
+
+        def gap_at(part: float, which: IntArray) -> FloatArray:
+            return distances(ends0[..., which] + part * way[..., which])
+
+        return longest_way(gap_at, speed, _NEAREST * every.reach(pairs))
+
+    def _list(self, keys: IntArray) -> None:
+        self._listed, self._changed = keys, True
+        every = self._all
+        self._rows = Rows.of(every.lines.nodes, every.pairs(keys))
+        self._stencils = (Stencils(every.map, self._rows.segments), Stencils(every.map, self._rows.corners))
+
+    def _touching(
+        self,
+        kind: int,
+        rows: IntArray,
+        nodes: IntArray,
+        faced: IntArray,
+        reach: FloatArray,
+        factor: FloatArray,
+        x: FloatArray,
+        v: FloatArray,
+    ) -> Touching:
+        if kind == 0:
+            points = self._all.points(x, faced, reach, factor)
+        else:
+            start, end, vertex = x[nodes[rows]].transpose(1, 2, 0)
+            points = round_points(
+                whole(start - vertex, end - start, np.zeros(3), 1.0, 0.0), reach, factor, faced=1
+            )
+        bodies = self._all.lines.bodies[faced[points.item]]
+        points = replace(points, item=rows[points.item])
+        stencils = self._stencils[kind]
+        return Touching(
+            kind=kind,
+            stencils=stencils,
+            points=points,
+            friction=self._all.friction[bodies[:, 0], bodies[:, 1]],
+            velocity=points.relative(stencils.gathered(v)),
+            label=self._all.labels[bodies[:, 0], bodies[:, 1]],
+            sign=self._all.signs[bodies[:, 0], bodies[:, 1]],
+        )

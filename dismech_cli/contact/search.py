@@ -1,0 +1,68 @@
+"""Pairs of lines near each other, found anew only when nodes have moved."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+from ..arrays import FloatArray, IntArray
+from .neighbours import Neighbours
+
+# In units of the distance at which lines touch: how far the search goes beyond it, and how far beyond it
+# distances are asked for.
+SKIN: Final = 0.5
+MARGIN: Final = 0.25
+
+
+class Search:
+    """Finds pairs by distance; what it finds does not depend on when it last looked around.
+
+    Attributes:
+        candidates: Pairs that may be near, shape (P, 2).
+        reach: Distance at which each touches [m], shape (P,).
+        distance: Distance of each at the places last asked for [m], shape (P,).
+    """
+
+    def __init__(self, neighbours: Neighbours) -> None:
+        self._all = neighbours
+        self._thick = 2.0 * float(neighbours.lines.radii[neighbours.numbers].max(initial=0.0))
+        self.skin = SKIN * self._thick
+        self._searched: FloatArray | None = None
+        self.candidates: IntArray = np.empty((0, 2), dtype=np.int64)
+        self.reach = self.distance = self._measured = np.empty(0)
+
+    def within(self, x: FloatArray, margin: float) -> IntArray:
+        """Keys of pairs within reach and a margin in units of it, ascending."""
+        self.measure(x)
+        return self._all.keys(self.candidates[self.distance < (1.0 + margin) * self.reach])
+
+    def measure(self, x: FloatArray) -> None:
+        """Find the candidates and their distances, if those known are not of these places."""
+        self._look(x)
+        if not np.array_equal(x, self._measured):
+            self._measured = x.copy()
+            self.distance = self._all.distances(x, self.candidates)
+
+    def reaching(self, x0: FloatArray, x1: FloatArray) -> IntArray:
+        """Pairs that may come within reach of each other on a way, shape (P, 2)."""
+        used = self._all.lines.nodes[self._all.numbers]
+        moved = float(np.sqrt(((x1 - x0)[used] ** 2).sum(axis=-1)).max(initial=0.0))
+        self._look(x0)
+        if 2.0 * moved + 2.0 * self._strayed(x0) <= self.skin:
+            return self.candidates
+        return self._all.search(x0, 2.0 * moved)
+
+    def _look(self, x: FloatArray) -> None:
+        """Search anew if nodes have moved so far that pairs may be missing."""
+        if self._searched is not None and 2.0 * self._strayed(x) <= self.skin - MARGIN * self._thick:
+            return
+        self._searched = x.copy()
+        self.candidates = self._all.search(x, self.skin)
+        self.reach = self._all.reach(self.candidates)
+        self._measured = np.empty(0)
+
+    def _strayed(self, x: FloatArray) -> float:
+        """How far a node has moved since the last search [m]."""
+        assert self._searched is not None
+        return float(np.sqrt(((x - self._searched) ** 2).sum(axis=1).max(initial=0.0)))

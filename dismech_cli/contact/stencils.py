@@ -1,0 +1,91 @@
+"""Sums over points of contact, to the nodes of the model."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arrays import FloatArray, IntArray
+from ..kernels.linearization import Coupling, Pattern
+from ..kinematics.dofs import DofMap
+
+
+@dataclass(frozen=True, slots=True)
+class Stencils:
+    """Nodes of the items of one kind, and where their sums go.
+
+    Attributes:
+        map: Numbering of the DOFs.
+        nodes: Nodes of each item, shape (S, n).
+    """
+
+    map: DofMap
+    nodes: IntArray
+
+    @property
+    def dofs(self) -> IntArray:
+        """Their DOFs, shape (S, n d)."""
+        count, n = self.nodes.shape
+        return self.map.of_nodes(self.nodes).reshape(count, n * self.map.dimension)
+
+    @property
+    def coupling(self) -> Coupling:
+        """One clique per item."""
+        return Coupling(self.dofs)
+
+    def gathered(self, values: FloatArray) -> FloatArray:
+        """Nodal vectors (N, 3) of each item, shape (n, 3, S)."""
+        return np.ascontiguousarray(values[self.nodes].transpose(1, 2, 0))
+
+    def add(self, item: IntArray, vectors: FloatArray, r: FloatArray) -> None:
+        """Add vectors (n, 3, K) of points of some items to the DOFs of ``r``, shape (n,)."""
+        dofs = self.dofs[item]
+        inside = vectors[:, list(self.map.axes)].transpose(2, 0, 1).reshape(dofs.shape)
+        np.add.at(r, dofs, inside)
+
+    def local(self, blocks: FloatArray) -> FloatArray:
+        """Blocks (n, n, 3, 3, K) as matrices of the DOFs of an item, shape (K, n d, n d)."""
+        axes = list(self.map.axes)
+        inside = blocks if len(axes) == 3 else blocks[:, :, axes][:, :, :, axes]
+        n, _, d, _, count = inside.shape
+        matrices: FloatArray = inside.transpose(4, 0, 2, 1, 3).reshape(count, n * d, n * d)
+        return matrices
+
+
+@dataclass(frozen=True, slots=True)
+class SymmetricPlaces:
+    """Slots of the upper triangles of items, shape (S, n d (n d + 1) / 2)."""
+
+    slots: IntArray
+    rows: IntArray
+    columns: IntArray
+
+    @classmethod
+    def of(cls, stencils: Stencils, pattern: Pattern) -> SymmetricPlaces:
+        """Look them up."""
+        dofs = stencils.dofs
+        i, j = np.triu_indices(dofs.shape[1])
+        return cls(pattern.symmetric_slots(dofs[:, i], dofs[:, j]), i, j)
+
+    def add(self, item: IntArray, matrices: FloatArray, values: FloatArray) -> None:
+        """Add matrices (K, n d, n d) of points of some items to stored values (slots,)."""
+        np.add.at(values, self.slots[item], matrices[:, self.rows, self.columns])
+
+
+@dataclass(frozen=True, slots=True)
+class GeneralPlaces:
+    """Slots of whole matrices of items, shape (S, (n d)^2)."""
+
+    slots: IntArray
+
+    @classmethod
+    def of(cls, stencils: Stencils, pattern: Pattern) -> GeneralPlaces:
+        """Look them up."""
+        dofs = stencils.dofs
+        i, j = np.divmod(np.arange(dofs.shape[1] ** 2), dofs.shape[1])
+        return cls(pattern.slots_of(dofs[:, i], dofs[:, j]))
+
+    def add(self, item: IntArray, matrices: FloatArray, values: FloatArray) -> None:
+        """Add matrices (K, n d, n d) of points of some items to stored values (slots,)."""
+        np.add.at(values, self.slots[item], matrices.reshape(len(matrices), self.slots.shape[1]))

@@ -1,0 +1,185 @@
+"""The bound terms of contact: the energy of being too near, and friction."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import ClassVar, Protocol
+
+import numpy as np
+
+from ..arrays import FloatArray
+from ..kernels.linearization import Linearization, Pattern
+from ..model.configuration import Configuration
+from .rubbing import slip
+from .stencils import GeneralPlaces, Stencils, SymmetricPlaces
+from .touching import Touching
+
+# Below this share of the speed over which friction grows it is all but linear.
+_CREEP = 0.5
+
+NORMAL, FRICTION = "contact", "friction"
+
+
+class Found(Protocol):
+    """What the terms share: who touches whom."""
+
+    @property
+    def stencils(self) -> tuple[Stencils, ...]:
+        """Nodes of all items that have places in the matrix, by kind."""
+
+    def touching(self, c: Configuration) -> Sequence[Touching]:
+        """What touches at a configuration."""
+
+    def velocities(self, touching: Touching, c: Configuration, v: FloatArray) -> FloatArray:
+        """Relative velocities at points of contact if the DOFs at ``c`` had velocities (n,), shape (3, K)."""
+
+
+class NormalTerm:
+    """The energy of lines that are too near; implements :class:`~dismech_cli.model.term.BoundChanging`."""
+
+    name: ClassVar[str] = NORMAL
+    shares: ClassVar[tuple[str, ...]] = (NORMAL,)
+    symmetric: ClassVar[bool] = True
+
+    def __init__(self, found: Found, *, steady: bool) -> None:
+        self.steady = steady
+        self._found = found
+        self._places: list[SymmetricPlaces] = []
+
+    @property
+    def potential(self) -> NormalTerm:
+        """Itself."""
+        return self
+
+    def place(self, pattern: Pattern) -> None:
+        """Look the slots of all items up."""
+        self._places = [SymmetricPlaces.of(stencils, pattern) for stencils in self._found.stencils]
+
+    def heat(self, c: Configuration, v: FloatArray) -> float:
+        """None."""
+        return 0.0
+
+    def energy(self, c: Configuration) -> FloatArray:
+        """Energy of each point [J], shape (1, K)."""
+        energies = [touching.points.energy for touching in self._found.touching(c)]
+        return np.concatenate((np.empty(0), *energies))[None]
+
+    def add_residual(self, c: Configuration, r: FloatArray) -> None:
+        """Add dE/dq."""
+        for touching in self._found.touching(c):
+            touching.stencils.add(touching.points.item, touching.points.gradients(), r)
+
+    def add_linearization(self, c: Configuration, into: Linearization) -> None:
+        """Add dE/dq and d2E/dq2."""
+        self._add(c, into, lambda points: points.hessians())
+
+    def add_convex_linearization(self, c: Configuration, into: Linearization) -> None:
+        """Add dE/dq and what its Hessian has along the gaps."""
+        self._add(c, into, lambda points: points.convex_hessians())
+
+    def _add(self, c: Configuration, into: Linearization, hessians: Callable[..., FloatArray]) -> None:
+        for touching in self._found.touching(c):
+            points, stencils = touching.points, touching.stencils
+            stencils.add(points.item, points.gradients(), into.residual)
+            self._places[touching.kind].add(points.item, stencils.local(hessians(points)), into.stiffness)
+
+
+class _Friction:
+    """The force of friction, whatever its tangent."""
+
+    name: ClassVar[str] = FRICTION
+    potential: ClassVar[None] = None
+
+    def __init__(self, found: Found, slip_speed: float) -> None:
+        """Bind.
+
+        Args:
+            found: Who touches whom.
+            slip_speed: Speed at which friction is all but full [m/s].
+        """
+        self._found = found
+        # the family's K = 15 / slip speed; tanh(K u / 2) is 0.9999994 at the slip speed
+        self._sharpness = 7.5 / slip_speed
+
+    def forces(self, touching: Touching) -> FloatArray:
+        """Friction at each point, against the motion of the line [N], shape (3, K)."""
+        return touching.points.friction(touching.friction, self._sharpness, touching.velocity)
+
+    def add_residual(self, c: Configuration, r: FloatArray) -> None:
+        """Subtract the force."""
+        for touching in self._found.touching(c):
+            self._add(touching, r)
+
+    def heat(self, c: Configuration, v: FloatArray) -> float:
+        """Force times slip at all points [W]."""
+        return sum(
+            float((self.forces(one) * self._found.velocities(one, c, v)).sum())
+            for one in self._found.touching(c)
+        )
+
+    def reverses(self, touching: Touching, velocity: FloatArray) -> bool:
+        """Whether the slip of a point turns round on the way to other velocities (3, K), and is no creep."""
+        normal = touching.points.normal
+        before, after = slip(touching.velocity, normal), slip(velocity, normal)
+        creep = _CREEP / self._sharpness
+        both = np.minimum((before * before).sum(axis=0), (after * after).sum(axis=0))
+        turned = ((before * after).sum(axis=0) < 0.0) & (both > creep * creep)
+        return bool((turned & (touching.points.load > 0.0) & (touching.friction > 0.0)).any())
+
+    def _add(self, touching: Touching, r: FloatArray) -> None:
+        points = touching.points
+        touching.stencils.add(points.item, points.weights[:, None] * self.forces(touching), r)
+
+    def _tangents(self, touching: Touching) -> tuple[FloatArray, FloatArray]:
+        return touching.points.friction_tangents(touching.friction, self._sharpness, touching.velocity)
+
+
+def _spread(touching: Touching, block: FloatArray) -> FloatArray:
+    """Blocks (3, 3, K) of points as matrices of the DOFs of their items."""
+    w = touching.points.weights
+    return touching.stencils.local(w[:, None, None, None] * w[None, :, None, None] * block)
+
+
+class SymmetricFriction(_Friction):
+    """Friction with the symmetric part of its tangent that changes with velocity.
+
+    Newton's method takes a quarter more iterations, but the matrix stays symmetric. Implements
+    :class:`~dismech_cli.model.term.BoundChanging`.
+    """
+
+    symmetric: ClassVar[bool] = True
+
+    def place(self, pattern: Pattern) -> None:
+        """Look the slots of all items up."""
+        self._places = [SymmetricPlaces.of(stencils, pattern) for stencils in self._found.stencils]
+
+    def add_linearization(self, c: Configuration, into: Linearization) -> None:
+        """Subtract the force and add its tangent to velocities."""
+        for touching in self._found.touching(c):
+            self._add(touching, into.residual)
+            _, by_velocity = self._tangents(touching)
+            places = self._places[touching.kind]
+            places.add(touching.points.item, _spread(touching, by_velocity), into.damping)
+
+    add_convex_linearization = add_linearization
+
+
+class FullFriction(_Friction):
+    """Friction with all of its tangent; implements :class:`~dismech_cli.model.term.BoundChanging`."""
+
+    symmetric: ClassVar[bool] = False
+
+    def place(self, pattern: Pattern) -> None:
+        """Look the slots of all items up."""
+        self._places = [GeneralPlaces.of(stencils, pattern) for stencils in self._found.stencils]
+
+    def add_linearization(self, c: Configuration, into: Linearization) -> None:
+        """Subtract the force and add its tangents."""
+        for touching in self._found.touching(c):
+            self._add(touching, into.residual)
+            by_position, by_velocity = self._tangents(touching)
+            places, item = self._places[touching.kind], touching.points.item
+            places.add(item, _spread(touching, by_position), into.stiffness)
+            places.add(item, _spread(touching, by_velocity), into.damping)
+
+    add_convex_linearization = add_linearization

@@ -1,0 +1,32 @@
+"""What touches at a trial point, and the sums over it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ..arrays import FloatArray, IntArray
+from .points import Points
+from .stencils import Stencils
+
+
+@dataclass(frozen=True, slots=True)
+class Touching:
+    """Points of contact of one kind of items.
+
+    Attributes:
+        kind: Number of the kind among those of its source.
+        stencils: Nodes of its items.
+        points: The points.
+        friction: Coefficient at each point, shape (K,).
+        velocity: Relative velocity at each point [m/s], shape (3, K).
+        label: Number of the pair of bodies at each point, shape (K,).
+        sign: 1 where the line is of the first of that pair, else -1, shape (K,).
+    """
+
+    kind: int
+    stencils: Stencils
+    points: Points
+    friction: FloatArray
+    velocity: FloatArray
+    label: IntArray
+    sign: FloatArray

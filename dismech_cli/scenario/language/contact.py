@@ -1,0 +1,78 @@
+"""Who may touch whom, and what happens then."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, TypeAlias
+
+from annotated_types import Len
+from pydantic import Field, Strict, model_validator
+
+from ..values.quantity import Quantity, TwoNames
+from ..values.spec import Spec, problem
+
+Coefficient: TypeAlias = Annotated[float, Quantity("ratio", ge=0)]
+
+
+class ContactPair(Spec):
+    """Two that may touch each other; a body named twice may touch itself."""
+
+    between: TwoNames = Field(description="Names of two bodies, or of a body and an obstacle.")
+    friction: Coefficient | None = Field(
+        default=None, description="Coefficient of friction of this pair; default: that of `contact.friction`."
+    )
+
+
+class PenaltyLaw(Spec):
+    """Bodies push each other apart as far as they overlap: a force 2 kappa delta per length of rod.
+
+    Takes a tolerance or a stiffness, by default a tolerance of 5 %.
+    """
+
+    type: Literal["penalty"] = Field(default="penalty", description="Kind of law.")
+    tolerance: Annotated[float, Quantity("ratio", gt=0, le=0.5)] | None = Field(
+        default=None,
+        description="Penetration that is allowed, as a share of the thickness. The stiffness follows from "
+        "the weights and impacts that must be carried, and is changed between steps.",
+    )
+    stiffness: Annotated[float, Quantity("pressure", gt=0)] | None = Field(
+        default=None, description="kappa, whatever the penetration then is; of a rod per length."
+    )
+
+    @model_validator(mode="after")
+    def _one(self) -> PenaltyLaw:
+        if self.tolerance is not None and self.stiffness is not None:
+            raise problem("takes a tolerance or a stiffness, not both")
+        return self
+
+    @property
+    def allowed(self) -> float | None:
+        """The tolerance that decides on the stiffness; None where that is given."""
+        if self.stiffness is not None:
+            return None
+        return 0.05 if self.tolerance is None else self.tolerance
+
+
+class FrictionLaw(Spec):
+    """Coulomb friction, full from a small slip speed on and smooth below: there bodies creep."""
+
+    coefficient: Coefficient = Field(description="Coefficient of friction, the same at rest and in motion.")
+    slip_speed: Annotated[float, Quantity("velocity", gt=0)] = Field(
+        default=1e-3, description="Speed from which on friction is full; what should stick creeps below it."
+    )
+    tangent: Literal["auto", "full", "symmetric"] = Field(
+        default="auto",
+        description="What Newton's method is told of friction: `full` converges in fewer iterations, "
+        "`symmetric` keeps the matrix symmetric, which large scenes factorise in half the time. `auto` takes "
+        "it where bodies touch each other, and `full` where they touch obstacles only.",
+    )
+
+
+class Contact(Spec):
+    """Contact of bodies with each other and with obstacles."""
+
+    pairs: Annotated[tuple[ContactPair, ...], Len(1, 10_000), Strict(False)] | None = Field(
+        default=None,
+        description="Who may touch whom; default: every body every other, itself and every obstacle.",
+    )
+    law: PenaltyLaw = Field(default=PenaltyLaw(), description="How they push each other apart.")
+    friction: FrictionLaw | None = Field(default=None, description="How they rub; default: not at all.")
