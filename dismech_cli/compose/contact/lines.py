@@ -35,16 +35,17 @@ def make_lines(scene: Scene, structure: Structure) -> Lines:
     nodes, lengths = [geometry.edges], [geometry.lengths]
     radii, weights = [geometry.per_edge("radius")], [np.ones(len(geometry.edges))]
     loads, bodies = [pull * geometry.per_edge("mass_per_length")], [rods]
-    for key, shell, sheet in zip(geometry.shell_keys, geometry.shells, geometry.sheets, strict=True):
+    thickness, weight = geometry.per_triangle("thickness"), geometry.per_triangle("mass_per_area")
+    for key, shell in zip(geometry.shell_keys, geometry.shells, strict=True):
         own = geometry.triangles_of(shell.name)
-        sides, width = _sides(geometry.nodes, geometry.triangles[own], geometry.areas[own])
-        count = len(sides)
+        sides, of, areas = _sides(geometry.triangles[own], geometry.areas[own])
+        long = edge_lengths(geometry.nodes, sides)
         nodes.append(sides)
-        lengths.append(edge_lengths(geometry.nodes, sides))
-        radii.append(np.full(count, 0.5 * sheet.thickness))
-        weights.append(width)
-        loads.append(np.full(count, pull * sheet.mass_per_area))
-        bodies.append(np.full(count, key))
+        lengths.append(long)
+        radii.append(0.5 * _means(of, areas, np.repeat(thickness[own], 3)))
+        weights.append(np.bincount(of, weights=areas) / long)
+        loads.append(pull * _means(of, areas, np.repeat(weight[own], 3)))
+        bodies.append(np.full(len(sides), key))
     ends, all_lengths, strips = np.concatenate(nodes), np.concatenate(lengths), np.concatenate(weights)
     pulls = _pulls(scene, float(all_lengths.sum()))
     mass = nodal_mass(geometry, len(structure.positions), structure.payload)
@@ -60,13 +61,17 @@ def make_lines(scene: Scene, structure: Structure) -> Lines:
     )
 
 
-def _sides(positions: FloatArray, triangles: IntArray, areas: FloatArray) -> tuple[IntArray, FloatArray]:
-    """Edges of a shell, each once, and the width of the strip that each stands for [m]."""
+def _sides(triangles: IntArray, areas: FloatArray) -> tuple[IntArray, IntArray, FloatArray]:
+    """Edges of a shell, each once; of each side of a triangle its edge, and its share of the area [m^2]."""
     halves = np.sort(half_edges(triangles), axis=1)
     sides, of = np.unique(halves, axis=0, return_inverse=True)
-    shares = np.repeat(areas / 3.0, 3)
-    width = np.bincount(of.reshape(-1), weights=shares, minlength=len(sides))
-    return sides, width / edge_lengths(positions, sides)
+    return sides, of.reshape(-1), np.repeat(areas / 3.0, 3)
+
+
+def _means(of: IntArray, areas: FloatArray, values: FloatArray) -> FloatArray:
+    """Means of values of sides of triangles over the edges that they are of, by area."""
+    means: FloatArray = np.bincount(of, weights=areas * values) / np.bincount(of, weights=areas)
+    return means
 
 
 def _gravity(scene: Scene) -> float:
