@@ -49,6 +49,7 @@ def _as_json(finished: Finished) -> dict[str, object]:
         "probes": manifest.probes,
         "energy_error": manifest.energy_error,
         "overrides": manifest.overrides,
+        "parameters": manifest.parameters,
         "versions": manifest.versions,
         "pictures": [str(file) for file in finished.pictures],
     }

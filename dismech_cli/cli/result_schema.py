@@ -35,6 +35,14 @@ class Expectation(_Strict):
     passed: bool
 
 
+class Parameter(_Strict):
+    """A parameter of the scenario: its value in SI units, and where that was written."""
+
+    value: int | float
+    unit: str = Field(description="Empty for a number without one.")
+    origin: str
+
+
 class Run(_Strict):
     """``run`` and ``resume`` of a run that began, however it ended."""
 
@@ -49,6 +57,7 @@ class Run(_Strict):
     probes: dict[str, Number] = Field(description="Each of output.probes in the last frame.")
     energy_error: Number | None = Field(description="Of the last frame in J; null if none was written.")
     overrides: list[str] = Field(description="The --set arguments.")
+    parameters: dict[str, Parameter] = Field(description="Of the scenario, by name.")
     versions: dict[str, str] = Field(description="Of Python and the libraries.")
     pictures: list[str] = Field(description="Files drawn.")
 
@@ -103,6 +112,7 @@ class Checked(_Strict):
     bodies: list[Extent]
     notes: list[str]
     joints: list[Joint]
+    parameters: dict[str, Parameter]
     plan: list[Decision]
     warnings: list[str]
     cost: Cost

@@ -83,6 +83,7 @@ class Manifest:
         hashes: SHA-256 by input file.
         changes: What was changed while the run was under way, each with the time from which on.
         overrides: ``KEY=VALUE`` texts that changed the scenario.
+        parameters: Value, unit and origin of each parameter of the scenario.
         plan: The plan as the user is shown it.
         counters: Steps, Newton iterations, factorisations, rejected steps, ...
         seconds: Wall time by phase [s].
@@ -105,6 +106,7 @@ class Manifest:
     hashes: Mapping[str, str] = field(default_factory=dict)
     changes: tuple[str, ...] = ()
     overrides: tuple[str, ...] = ()
+    parameters: Mapping[str, Mapping[str, Json]] = field(default_factory=dict)
     plan: str = ""
     counters: Mapping[str, int] = field(default_factory=dict)
     seconds: Mapping[str, float] = field(default_factory=dict)
@@ -159,6 +161,7 @@ def _sound(manifest: Manifest) -> Manifest:
         ("threads", isinstance(manifest.threads, Mapping)),
         ("expectations", all(isinstance(entry, Mapping) for entry in manifest.expectations)),
         ("probes", isinstance(manifest.probes, Mapping)),
+        ("parameters", isinstance(manifest.parameters, Mapping)),
     ):
         if not sound:
             raise TypeError(f"its {name} makes no sense")

@@ -13,19 +13,21 @@ from ..words import listed
 from .checking.checks import findings
 from .checking.default_kinds import default_kinds
 from .checking.plausibility import doubts
-from .checking.validation import check_version, validate
+from .checking.validation import check_version
+from .expansion import Expanded, expand, unused, validated
 from .language.scenario import Scenario
 from .text.files import parse_source, read_source, resolve_file
 from .text.merge import Includes, without
 from .text.overrides import apply_override
+from .text.parameters import Parameter
 from .text.plain import parse_mapping
 from .text.problems import Problem, ProblemsError, excerpt
 from .text.profiles import NAMES, apply_profile
-from .text.tree import KeyPath, Node, Source, place, point
+from .text.tree import KeyPath, Node, Source, as_written, place, point, told
 from .values.law import TableFile, TableLaw
 from .values.runtime_law import to_law
 from .views.dump import dump_resolved, text_hash
-from .views.provenance import Provenance, trace
+from .views.provenance import Provenance, trace, trace_parameters
 from .views.reference import json_schema, markdown_reference
 from .views.walk import leaves, walk
 
@@ -54,6 +56,7 @@ class LoadedScenario:
         directory: Its folder: names of files in the scenario start here.
         profile: Profile asked for, or None.
         overrides: ``KEY=VALUE`` texts that were applied.
+        parameters: What values were computed from, by name.
         provenance: Value, unit and origin of each leaf by key path, such as ``numerics.dt``.
         warnings: Implausible values, each with its place.
         text_hash: SHA-256 of the resolved content.
@@ -65,6 +68,7 @@ class LoadedScenario:
     directory: Path
     profile: str | None
     overrides: tuple[str, ...]
+    parameters: Mapping[str, Parameter]
     provenance: Mapping[str, Provenance]
     warnings: tuple[str, ...]
     text_hash: str
@@ -197,21 +201,24 @@ def _load(written: Node, origin: _Origin, overrides: Sequence[str], profile: str
     root = Includes(inside).expand(written, origin.path, origin.shown)
     check_version(root)
     profiles, body = root.child("profiles"), without(root, "profiles")
-    merged = _overridden(apply_profile(body, profile, profiles), overrides)
-    scenario = validate(merged)
+    expanded = _expanded(body, profiles, profile, overrides)
+    merged = expanded.tree
+    scenario = validated(expanded)
     problems = [_problem(merged, *finding) for finding in findings(scenario)]
     problems += _file_problems(scenario, merged, directory, inside)
     if problems:
         raise ProblemsError(problems)
     _check_other_profiles(body, profiles, profile, overrides)
+    doubtful = [_problem(merged, *doubt).line() for doubt in doubts(scenario)]
     return LoadedScenario(
         scenario=scenario,
         path=origin.path,
         directory=directory,
         profile=profile,
         overrides=tuple(overrides),
-        provenance=trace(scenario, merged),
-        warnings=tuple(_problem(merged, *doubt).line() for doubt in doubts(scenario)),
+        parameters=expanded.parameters,
+        provenance={**trace_parameters(expanded.parameters), **trace(scenario, merged)},
+        warnings=(*unused(expanded, profiles), *doubtful),
         text_hash=text_hash(scenario),
         tree=merged,
     )
@@ -227,7 +234,12 @@ def as_path(path: str | KeyPath) -> KeyPath:
 
 def _problem(tree: Node, path: KeyPath, message: str) -> Problem:
     written, node = place(tree, path)
-    return Problem(point(node), written, message)
+    return Problem(point(node), as_written(tree, written), told(node, message))
+
+
+def _expanded(body: Node, profiles: Node | None, name: str | None, overrides: Sequence[str]) -> Expanded:
+    """A scenario under a profile and overrides, its parameters and repeated entries written out."""
+    return expand(body, _overridden(apply_profile(body, name, profiles), overrides))
 
 
 def _overridden(root: Node, overrides: Sequence[str]) -> Node:
@@ -270,7 +282,8 @@ def _check_other_profiles(
     """Faults in declared profiles that are not asked for now would bite later."""
     for name in NAMES:
         if name != chosen and profiles is not None and profiles.child(name) is not None:
-            merged = _overridden(apply_profile(body, name, profiles), overrides)
-            problems = [_problem(merged, *finding) for finding in findings(validate(merged))]
+            expanded = _expanded(body, profiles, name, overrides)
+            found = findings(validated(expanded))
+            problems = [_problem(expanded.tree, *finding) for finding in found]
             if problems:
                 raise ProblemsError(problems)

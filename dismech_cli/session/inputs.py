@@ -82,7 +82,7 @@ def gather_inputs(loaded: LoadedScenario, kept: bytes = b"") -> Inputs:
             # Files of one name from different folders are told apart by a number.
             names[leaf.value] = name if name not in names.values() else _numbered(name, len(names))
     files = {new: (loaded.directory / old).resolve() for old, new in names.items()}
-    text = dump_resolved(loaded.scenario, names)
+    text = dump_resolved(loaded.scenario, names, loaded.parameters)
     hashes = {
         new: hashlib.sha256(made[new]).hexdigest() if new in made else _sha256(file)
         for new, file in files.items()

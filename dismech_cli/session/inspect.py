@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -15,6 +16,8 @@ from ..kinematics.motion import held_dofs
 from ..output.frame import Topology
 from ..output.jsonable import Json, to_json
 from ..scenario.load import load
+from ..scenario.text.parameters import Parameter
+from ..scenario.views.provenance import as_json
 from ..solve.system import System
 from .joints import JointLine, joint_lines
 
@@ -87,6 +90,7 @@ class Finding:
         joints: What joins them, and what passes.
         decisions: The plan with its reasons.
         warnings: Implausible values.
+        parameters: Of the scenario, by name.
         cost: Size and price.
     """
 
@@ -96,6 +100,7 @@ class Finding:
     joints: tuple[JointLine, ...]
     decisions: tuple[Decision, ...]
     warnings: tuple[str, ...]
+    parameters: Mapping[str, Parameter]
     cost: Cost
 
     def as_json(self) -> dict[str, Json]:
@@ -106,6 +111,7 @@ class Finding:
             "bodies": to_json([asdict(body) for body in self.bodies]),
             "notes": list(self.notes),
             "joints": to_json([asdict(joint) for joint in self.joints]),
+            "parameters": as_json(self.parameters),
             "plan": to_json([asdict(decision) for decision in self.decisions]),
             "warnings": list(self.warnings),
             "cost": to_json(asdict(self.cost)),
@@ -116,6 +122,7 @@ class Finding:
         return "\n".join(
             [
                 f"{self.path}: ok",
+                *(f"  parameter {name} = {one.amount}" for name, one in self.parameters.items()),
                 *(f"  {body}" for body in self.bodies),
                 *(f"  {note}" for note in self.notes),
                 *(f"  {joint}" for joint in self.joints),
@@ -144,6 +151,7 @@ def inspect(path: Path, *, overrides: tuple[str, ...], profile: str | None, allo
         joint_lines(composition.geometry, planar=loaded.scenario.dimension == 2),
         decisions,
         warnings,
+        loaded.parameters,
         estimate(composition),
     )
 

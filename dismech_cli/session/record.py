@@ -13,6 +13,7 @@ from ..run.interrupt import StopRequest
 from ..run.loop import Limits
 from ..run.sink import Sink
 from ..scenario.load import LoadedScenario
+from ..scenario.views.provenance import as_json
 from .conduct import Record, Session, conduct
 from .inputs import Inputs
 from .log import Logged
@@ -62,6 +63,7 @@ def record(
             versions=versions,
             hashes=_hashes(loaded, inputs),
             overrides=loaded.overrides,
+            parameters=as_json(loaded.parameters),
             plan=str(prepared.composition.plan),
             seconds=prepared.seconds,
         )

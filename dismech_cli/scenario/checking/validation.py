@@ -11,7 +11,7 @@ from pydantic_core import ErrorDetails
 from ...words import did_you_mean
 from ..language.scenario import SCHEMA_VERSION, Scenario
 from ..text.problems import Problem, ProblemsError
-from ..text.tree import KeyPath, Mark, Node, point
+from ..text.tree import KeyPath, Mark, Node, as_written, point, told
 from .known_keys import TAG_KEYS, known_keys
 from .messages import is_wrong_type, message
 
@@ -44,7 +44,7 @@ def validate(root: Node) -> Scenario:
     }
     raise ProblemsError(
         [
-            Problem(_mark(node, detail), path, message(detail, data, path))
+            Problem(_mark(node, detail), as_written(root, path), told(node, message(detail, data, path)))
             for path, node, detail in faults
             # A misspelt key is one fault, not an unknown and a missing one.
             if not (detail["type"] == "missing" and (path[:-1], path[-1]) in misspelt) and not _echo(detail)

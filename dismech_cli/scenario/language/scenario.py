@@ -50,6 +50,11 @@ class Scenario(Spec):
     profiles: dict[Literal["draft", "normal", "accurate"], dict[str, Any]] = Field(
         default={}, description="Partial mappings that replace the built-in profiles, merged over the file."
     )
+    parameters: dict[str, Any] = Field(
+        default={},
+        description="Numbers with units by name, which values are computed from as `$name`: a value, or a "
+        "mapping under [Parameter](#parameter).",
+    )
     dimension: Literal[2, 3] = Field(default=3, description="2 for a planar scene.")
     plane: Literal["xz", "xy", "yz"] = Field(default="xz", description="Plane of a planar scene.")
     materials: dict[Name, Material] = Field(description="Materials by name.")

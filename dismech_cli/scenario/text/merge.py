@@ -9,6 +9,7 @@ from typing import Final
 
 from ...errors import ScenarioError
 from .files import parse_source, read_source, resolve_file
+from .parameters import spelled_out
 from .problems import Problem, ProblemsError
 from .tree import Node, describe
 
@@ -63,7 +64,7 @@ class Includes:
             ScenarioError: for a missing file, a cycle, or faults inside an included file.
         """
         listed = node.child("include")
-        body = without(node, "include")
+        body = spelled_out(without(node, "include"))
         if listed is None:
             return body
         if not isinstance(listed.value, tuple):

@@ -7,6 +7,8 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Final, TypeAlias
 
+from .parameters import KEY as PARAMETERS
+from .parameters import refuse_new
 from .problems import Problem, ProblemsError
 from .tree import KeyPath, Mark, Node, Source, describe, format_path
 from .yaml_text import parse_yaml
@@ -40,6 +42,13 @@ def apply_override(root: Node, argument: str, kinds: Kinds) -> Node:
     if path[0] in _LOADER_KEYS:
         raise _problem(source, 1, len(left), f"{path[0]!r} belongs to the file and cannot be set here")
     value = _value(source, len(left) + 1)
+    if path[0] == PARAMETERS and len(path) > 1:
+        name = str(path[1])
+        mark = Mark(source, 1, columns[1], len(name))
+        given = Node({PARAMETERS: Node({name: Node(value.value, mark)}, mark)}, mark)
+        refuse_new(root, given, "--set")
+        if len(path) == 2 and not isinstance(value.value, Mapping):
+            path, columns = (*path, "default"), [*columns, columns[1]]
     return _put(root, path, columns, 0, value, kinds)
 
 

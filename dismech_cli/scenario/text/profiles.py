@@ -12,6 +12,7 @@ from ...solve.integrators import INTEGRATORS, TrBdf2
 from ...units import KINDS
 from ...words import hint
 from .merge import merge
+from .parameters import refuse_new, spelled_out
 from .problems import Problem, ProblemsError
 from .tree import Mark, Node, Source, describe
 
@@ -56,7 +57,9 @@ def apply_profile(root: Node, name: str | None, profiles: Node | None) -> Node:
     if name not in NAMES:
         raise ScenarioError(f"unknown profile {name!r}{hint(name, NAMES)} (there are {', '.join(NAMES)})")
     if name in declared:
-        return merge(root, _noted(declared[name], f"profile {name}"))
+        over = spelled_out(_noted(declared[name], f"profile {name}"))
+        refuse_new(root, over, f"profile {name}")
+        return merge(root, over)
     return _built_in(root, name) if name in _BUILT_IN else root
 
 
@@ -100,11 +103,8 @@ def _built_in(root: Node, name: str) -> Node:
     mark = Mark(Source(note, "", positions=False), 1, 1)
     entries: dict[str, Node] = {"newton": Node({"tolerance": Node(profile.tolerance, mark)}, mark)}
     dt = numerics.child("dt")
-    value = _seconds(dt)
-    if dt is not None and value is not None:
-        entries["dt"] = replace(
-            dt, value=value * profile.dt_factor, note=f"{note}, dt x {profile.dt_factor:g}"
-        )
+    if dt is not None and (value := _times(dt, profile.dt_factor)) is not None:
+        entries["dt"] = replace(dt, value=value, note=f"{note}, dt x {profile.dt_factor:g}")
     if profile.instead is not None and _undamped(numerics.child("integrator")):
         entries["integrator"] = Node({"type": Node(profile.instead, mark)}, mark, note=note)
         numerics = _without(numerics, "integrator")
@@ -123,16 +123,18 @@ def _without(node: Node, key: str) -> Node:
     return replace(node, value={name: child for name, child in node.value.items() if name != key})
 
 
-def _seconds(dt: Node | None) -> float | None:
-    """The value of ``dt`` [s], or None if there is none that makes sense: the schema will say so."""
-    match dt.value if dt else None:
+def _times(dt: Node, factor: float) -> float | str | None:
+    """``dt`` by a factor: a number [s] or a formula; None if it makes no sense: the schema will say so."""
+    match dt.value:
         case bool():
             return None
         case int() | float() as number:
-            return float(number)
+            return number * factor
+        case str() as text if "$" in text:
+            return f"{factor:g} * ({text})"
         case str() as text:
             try:
-                return parse_quantity(text, KINDS["time"])
+                return parse_quantity(text, KINDS["time"]) * factor
             except QuantityError:
                 return None
         case _:

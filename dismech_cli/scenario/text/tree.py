@@ -57,12 +57,16 @@ class Node:
         mark: Where the value starts.
         key_mark: Where its key stands, if it has one.
         note: Who changed the value since it was written, such as ``profile draft``.
+        formula: What it was computed from, with the places of its parameters; empty if it was written.
+        entry: Its place in a list as written, where a ``repeat`` made or moved it.
     """
 
     value: Mapping[str, Node] | tuple[Node, ...] | Scalar
     mark: Mark
     key_mark: Mark | None = None
     note: str = ""
+    formula: str = ""
+    entry: int | None = None
 
     @property
     def place(self) -> Mark:
@@ -72,7 +76,7 @@ class Node:
     @property
     def origin(self) -> str:
         """Who set the value: ``scene.yaml:12:3``, ``base.yaml:3:1 (include)``, ``--set a=b``."""
-        note = self.note or self.mark.source.note
+        note = "; ".join(filter(None, (self.note or self.mark.source.note, self.formula)))
         return f"{self.mark} ({note})" if note else str(self.mark)
 
     def plain(self) -> Any:
@@ -132,6 +136,21 @@ def place(root: Node, path: KeyPath) -> tuple[KeyPath, Node]:
             return (path, node) if isinstance(node.value, Mapping | tuple) else (path[:i], node)
         node = child
     return path, node
+
+
+def as_written(root: Node, path: KeyPath) -> KeyPath:
+    """A key path with the places of list items as the text has them, before any ``repeat``."""
+    written: list[str | int] = []
+    node: Node | None = root
+    for part in path:
+        node = None if node is None else node.child(part)
+        written.append(part if node is None or node.entry is None else node.entry)
+    return tuple(written)
+
+
+def told(node: Node, message: str) -> str:
+    """A message about a value, with the formula that it was computed from."""
+    return f"{message} (from {node.formula})" if node.formula else message
 
 
 def point(node: Node) -> Mark:

@@ -5,15 +5,17 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Any
 
 import yaml
 
 from ..language.scenario import Scenario
+from ..text.parameters import Parameter
 from ..text.yaml_text import SCALARS
 from .walk import leaves
 
-_LOADER_KEYS = ("include", "profiles")
+_LOADER_KEYS = ("include", "profiles", "parameters")
 
 
 class _Dumper(yaml.SafeDumper):
@@ -36,12 +38,17 @@ def resolved(scenario: Scenario) -> dict[str, Any]:
     return {key: value for key, value in data.items() if key not in unused}
 
 
-def dump_resolved(scenario: Scenario, renamed: Mapping[str, str] | None = None) -> str:
+def dump_resolved(
+    scenario: Scenario,
+    renamed: Mapping[str, str] | None = None,
+    parameters: Mapping[str, Parameter] = MappingProxyType({}),
+) -> str:
     """YAML text that loads again to an equal scenario.
 
     Args:
         scenario: What to write.
         renamed: New names of files by the names in ``scenario``, for a copy in another folder.
+        parameters: Told in comments: the values are those that follow from them.
     """
     data = resolved(scenario)
     if renamed:
@@ -54,7 +61,8 @@ def dump_resolved(scenario: Scenario, renamed: Mapping[str, str] | None = None) 
         default_flow_style=None,
         width=110,
     )
-    return text
+    head = (f"# parameter {name} = {one.amount}, {one.origin}\n" for name, one in parameters.items())
+    return "".join([*head, text])
 
 
 def _rename_files(scenario: Scenario, data: dict[str, Any], renamed: Mapping[str, str]) -> None:

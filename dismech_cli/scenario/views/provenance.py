@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..language.scenario import Scenario
+from ..text.parameters import KEY, Parameter
 from ..text.tree import KeyPath, Node, Scalar, format_path
 from .walk import leaves
 
@@ -32,6 +33,22 @@ def trace(scenario: Scenario, root: Node) -> Mapping[str, Provenance]:
         format_path(leaf.path): Provenance(leaf.value, leaf.unit, _origin(root, leaf.path))
         for leaf in leaves(scenario)
         if leaf.path[0] not in ("include", "profiles")
+    }
+
+
+def trace_parameters(parameters: Mapping[str, Parameter]) -> Mapping[str, Provenance]:
+    """The origin of each parameter, by key path."""
+    return {
+        f"{KEY}.{name}": Provenance(one.amount.value, one.amount.unit, one.origin)
+        for name, one in parameters.items()
+    }
+
+
+def as_json(parameters: Mapping[str, Parameter]) -> dict[str, dict[str, int | float | str]]:
+    """Parameters for programs: value in SI, unit and origin by name."""
+    return {
+        name: {"value": one.amount.value, "unit": one.amount.unit, "origin": one.origin}
+        for name, one in parameters.items()
     }
 
 
