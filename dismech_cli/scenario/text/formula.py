@@ -48,7 +48,7 @@ def evaluate(text: str, names: Names) -> Amount:
     """What a formula comes to.
 
     Args:
-        text: The formula; parameters as ``$name`` or ``${name}``. In braces they go by their bare names, beside
+        text: The formula; parameters as ``$name`` or ``${name}``. In braces they go by bare names, beside
             plain numbers: ``${n + 1}``.
         names: Amounts of parameters.
 

@@ -21,7 +21,8 @@ INDEX: Final = "i"
 SCHEMA: Final[Mapping[str, Mapping[str, Any]]] = {
     "default": {
         "type": ["number", "string"],
-        "description": "Its value: a number, a quantity, or a formula of other parameters.",
+        "description": "Its value: a number, a quantity, or a formula of other parameters; "
+        "without one `--set` or a profile must give it.",
     },
     "unit": {
         "type": "string",

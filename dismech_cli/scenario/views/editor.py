@@ -65,10 +65,19 @@ class _Definitions:
             number = next(part for part in node["anyOf"] if part.get("type") == "number")
             kept = {key: node[key] for key in node if key not in ("anyOf", OF_FIELD)}
             return self._text(own or quantity or "ratio", number, kept)
+        if node.get("type") == "integer" or (node.get("type") == "string" and "pattern" in node):
+            told_apart = ("description", "default")
+            kept = {key: node[key] for key in told_apart if key in node}
+            plain = {key: value for key, value in node.items() if key not in told_apart}
+            return {"anyOf": [plain, self._formula()], **kept}
         law = own or quantity
         if "$ref" in node:
             return node | {"$ref": _REF + self._named(node["$ref"].rpartition("/")[2], law)}
         told: Node = _below(node, lambda part: self.told(part, law))
+        if "patternProperties" in told:
+            # names of repeated entries
+            (named,) = told["patternProperties"].values()
+            told["patternProperties"] |= {r"\$": named}
         return told
 
     def _named(self, name: str, law: str | None) -> str:
@@ -94,7 +103,12 @@ class _Definitions:
             text = {"allOf": [text, {"pattern": POSITIVE}]}
         elif number.get("minimum") == 0:
             text = {"allOf": [text, {"pattern": NOT_NEGATIVE}]}
-        return {"anyOf": [number, text], **kept}
+        return {"anyOf": [number, text, self._formula()], **kept}
+
+    def _formula(self) -> Node:
+        """A text that is computed from parameters."""
+        self.done.setdefault("text.formula", {"type": "string", "pattern": r"\$"})
+        return {"$ref": f"{_REF}text.formula"}
 
     def part(self, node: Node) -> Node:
         """A schema of mappings that may lack keys; lists in it are whole."""

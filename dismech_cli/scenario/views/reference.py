@@ -8,6 +8,7 @@ from pydantic.json_schema import GenerateJsonSchema
 
 from ...units import KINDS
 from ..language.scenario import Scenario
+from .expanded import with_expanded
 
 _INTRODUCTION = """\
 # Scenario reference
@@ -23,6 +24,11 @@ the schema itself.
 - **Varying values**: a value marked *may vary* may be a number or quantity, or vary over the body at rest
   by one of the mappings under [Varying values](#byexpression): `{expression: "0.002*(1 - 0.8*s)"}`,
   `{of: s, table: [[0, 2 mm], [1, 0.4 mm]]}`, `{value: 2 mm, groups: {tip: 1 mm}}`.
+- **Parameters**: `parameters: {E: 2 MPa, radius: {default: 5 mm, min: 1 mm}}` declares numbers that any
+  value may be computed from: `$E`, `"2*$radius"`, `"$E / 3"`, `"round($length / $edge) + 1"`; a text with
+  `$` is a [formula](how-it-works.md#parameters-and-repeated-entries). `--set parameters.E='3 MPa'` changes one.
+- **Repeated entries**: `repeat: {count: 7, rotate: {axis: [0, 0, 1], full: true}}` makes copies of an entry;
+  `$i` counts them from 0, in formulas and in names such as `arm_$i`.
 - **Selections**: `beam` (all nodes), `beam.start`, `beam.end`, `sheet.boundary` (the rims of a shell), a
   group of a mesh `beam.NAME`, or one of the mappings under [Selections](#groupselection).
 - **Files** are named relative to the folder of the scenario and must lie in it, unless
@@ -44,7 +50,7 @@ class _Generator(GenerateJsonSchema):
 def json_schema() -> dict[str, Any]:
     """JSON Schema (2020-12) of a scenario, for editors."""
     schema: dict[str, Any] = Scenario.model_json_schema(by_alias=True, schema_generator=_Generator)
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **with_expanded(schema)}
 
 
 def markdown_reference() -> str:
@@ -124,6 +130,10 @@ def _kind(part: dict[str, Any]) -> str:
     if "enum" in part or "const" in part:
         return ", ".join(f"`{_plain(value)}`" for value in part.get("enum", [part.get("const")]))
     match part.get("type"):
+        case ["number", "string"]:
+            return "number or quantity"
+        case ["integer", "string"]:
+            return "whole number"
         case "array":
             low, high = part.get("minItems"), part.get("maxItems")
             count = f"{low} x " if low == high and low else ""
