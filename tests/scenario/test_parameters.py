@@ -195,6 +195,22 @@ def test_formulas_are_no_text() -> None:
     assert found.description == "costs $5 or $$"
 
 
+def test_dollar_signs_stay(folder: Folder) -> None:
+    folder.write("a$b.csv", "0,0,0\n1,0,0\n")
+    shape = "{shape: line, from: [0, 0, 0], to: [100 mm, 0, 0], nodes: 11}"
+    text = SCENE.replace(shape, "{shape: csv, file: a$$b.csv}")
+    scene = folder.load(text).scenario
+    assert scene.geometry[0].generate.file == "a$b.csv"
+    assert folder.load(dump_resolved(scene)).scenario == scene
+    with pytest.raises(ScenarioError, match=r"a dollar sign is written \$\$"):
+        folder.load(text.replace("$$", "$"))
+
+
+def test_all_parameters_by_one_argument() -> None:
+    found = load_text(TEXT, overrides=["parameters={E: 3 MPa, radius: 1 mm, n: 10}"])
+    assert found.scenario.materials["silicone"].youngs_modulus == 3e6
+
+
 def test_unused_parameters_are_told() -> None:
     warnings = load_text("parameters: {a: 1, b: $a}\n" + SCENE).warnings
     assert any("<text>:1:20: parameters.b: no value uses" in warning for warning in warnings)

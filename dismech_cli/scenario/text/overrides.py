@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import Final, TypeAlias
 
 from .parameters import KEY as PARAMETERS
-from .parameters import refuse_new
+from .parameters import refuse_new, spelled_out
 from .problems import Problem, ProblemsError
 from .tree import KeyPath, Mark, Node, Source, describe, format_path
 from .yaml_text import parse_yaml
@@ -49,7 +49,7 @@ def apply_override(root: Node, argument: str, kinds: Kinds) -> Node:
         refuse_new(root, given, "--set")
         if len(path) == 2 and not isinstance(value.value, Mapping):
             path, columns = (*path, "default"), [*columns, columns[1]]
-    return _put(root, path, columns, 0, value, kinds)
+    return spelled_out(_put(root, path, columns, 0, value, kinds))
 
 
 def _parse_path(source: Source, text: str) -> tuple[KeyPath, list[int]]:

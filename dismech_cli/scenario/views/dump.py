@@ -12,6 +12,7 @@ import yaml
 
 from ..language.scenario import Scenario
 from ..text.parameters import Parameter
+from ..text.substitution import PROSE
 from ..text.yaml_text import SCALARS
 from .walk import leaves
 
@@ -54,7 +55,7 @@ def dump_resolved(
     if renamed:
         _rename_files(scenario, data, renamed)
     text: str = yaml.dump(
-        data,
+        _dollars_doubled(data),
         Dumper=_Dumper,
         sort_keys=False,
         allow_unicode=True,
@@ -62,7 +63,25 @@ def dump_resolved(
         width=110,
     )
     head = (f"# parameter {name} = {one.amount}, {one.origin}\n" for name, one in parameters.items())
-    return "".join([*head, text])
+    return "".join([*map(_printable, head), text])
+
+
+def _printable(line: str) -> str:
+    """A comment that stays one line, whatever a file is called."""
+    return "".join(letter if letter.isprintable() else "?" for letter in line[:-1]) + "\n"
+
+
+def _dollars_doubled(data: Any, key: str = "") -> Any:
+    """Plain data in which a dollar sign does not begin a parameter."""
+    match data:
+        case dict():
+            return {name.replace("$", "$$"): _dollars_doubled(value, name) for name, value in data.items()}
+        case list():
+            return [_dollars_doubled(value) for value in data]
+        case str() if key not in PROSE:
+            return data.replace("$", "$$")
+        case _:
+            return data
 
 
 def _rename_files(scenario: Scenario, data: dict[str, Any], renamed: Mapping[str, str]) -> None:

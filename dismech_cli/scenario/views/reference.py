@@ -26,7 +26,8 @@ the schema itself.
   `{of: s, table: [[0, 2 mm], [1, 0.4 mm]]}`, `{value: 2 mm, groups: {tip: 1 mm}}`.
 - **Parameters**: `parameters: {E: 2 MPa, radius: {default: 5 mm, min: 1 mm}}` declares numbers that any
   value may be computed from: `$E`, `"2*$radius"`, `"$E / 3"`, `"round($length / $edge) + 1"`; a text with
-  `$` is a [formula](how-it-works.md#parameters-and-repeated-entries). `--set parameters.E='3 MPa'` changes one.
+  `$` is a [formula](how-it-works.md#parameters-and-repeated-entries).
+  `--set parameters.E='3 MPa'` changes one.
 - **Repeated entries**: `repeat: {count: 7, rotate: {axis: [0, 0, 1], full: true}}` makes copies of an entry;
   `$i` counts them from 0, in formulas and in names such as `arm_$i`.
 - **Selections**: `beam` (all nodes), `beam.start`, `beam.end`, `sheet.boundary` (the rims of a shell), a
