@@ -172,6 +172,7 @@ def test_draft_multiplies_a_computed_step() -> None:
         (["parameters.E={defalt: 1}"], ["did you mean 'default'"]),
         (["parameters.E={default: 1, kind: presure}"], ["did you mean 'pressure'"]),
         (["parameters.sin=3"], ["unknown parameter"]),
+        (["geometry[0].radius=$"], ["geometry[0].radius", "a dollar sign is written $$"]),
     ],
 )
 def test_what_is_refused(overrides: list[str], words: list[str]) -> None:

@@ -267,7 +267,9 @@ class _Walker:
 
 
 def _unreadable(text: str, reason: str) -> str:
-    return f"{reason}, in {describe(text)}" if text not in reason else reason
+    """Why a text is no formula; whoever meant none is told how to write it."""
+    shown = reason if text in reason else f"{reason}, in {describe(text)}"
+    return f"{shown}; a dollar sign is written $$" if reason.startswith("cannot read") else shown
 
 
 def _counted(amount: Amount) -> str:
