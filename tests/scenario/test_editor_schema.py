@@ -199,3 +199,40 @@ def test_every_unit_of_a_kind() -> None:
 def test_signs(text: str, sign: int) -> None:
     assert (re.search(POSITIVE, text) is not None) == (sign > 0)
     assert (re.search(NOT_NEGATIVE, text) is not None) == (sign >= 0)
+
+
+# ---------------------------------------------------------------- parameters and repeated entries
+
+REPEATED = """\
+parameters: {E: {default: 2, unit: MPa, max: 3}, r: 1 mm, n: 10}
+output: {probes: {tip_$i: {repeat: 3, displacement: arm_$i.end, component: z}}}
+""" + (
+    SCENE.replace("2 MPa", "$E")
+    .replace("radius: 1 mm", "radius: 2*$r")
+    .replace("nodes: 11", "nodes: $n + 1")
+    .replace("name: beam", "name: arm_$i\n    repeat: {count: 3, rotate: {axis: [0, 0, 1], full: true}}")
+    .replace("where: beam.start", "where: arm_$i.start, repeat: 3")
+)
+
+
+def test_formulas_and_repeated_entries() -> None:
+    load_text(REPEATED)
+    assert accepts(REPEATED)
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("count: 3", "cont: 3"),
+        ("unit: MPa", "units: MPa"),
+        ("full: true", "full: true, angle: 1"),
+        ("repeat: 3}", "repeat: 0}"),
+        ("numerics:", "numerics:\n  repeat: 3"),
+    ],
+)
+def test_wrong_repeats(old: str, new: str) -> None:
+    assert old in REPEATED
+    text = REPEATED.replace(old, new)
+    with pytest.raises(ScenarioError):
+        load_text(text)
+    assert not accepts(text)
