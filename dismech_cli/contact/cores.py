@@ -7,7 +7,7 @@ piece.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
@@ -31,7 +31,7 @@ class Core(Protocol):
 def whole(start: FloatArray, slope: FloatArray, e: FloatArray, identity: float, axis: float) -> Pieces:
     """Pieces that are whole lines with the same feature."""
     count = start.shape[1]
-    one, nothing = np.ones(count), np.zeros((3, count))
+    one = np.ones(count)
     return Pieces(
         np.arange(count),
         np.zeros(count),
@@ -41,8 +41,8 @@ def whole(start: FloatArray, slope: FloatArray, e: FloatArray, identity: float, 
         identity * one,
         axis * one,
         np.broadcast_to(e[:, None], (3, count)),
-        nothing[:2],
-        nothing,
+        np.zeros((2, 0, count)),
+        np.zeros((0, 3, count)),
     )
 
 
@@ -96,7 +96,7 @@ class SegmentCore:
         shape = start.shape
         first = np.broadcast_to(self.first[:, None], shape)
         second = np.broadcast_to(self.second[:, None], shape)
-        return beside(start, slope, first, second)
+        return beside(start, slope, first, second).fixed()
 
 
 def beside(start: FloatArray, slope: FloatArray, first: FloatArray, second: FloatArray) -> Pieces:
@@ -123,15 +123,13 @@ def beside(start: FloatArray, slope: FloatArray, first: FloatArray, second: Floa
     early = np.where((t1 == 0.0) & (t0 >= 0.0) & (t0 <= 1.0), 0.0, early)
     zero, one = np.zeros(count), np.ones(count)
     item = np.arange(count)
-    nothing = np.zeros((3, count))
     edge = u / np.sqrt(square)
     first_low, first_high = np.where(rising, zero, late), np.where(rising, early, one)
     second_low, second_high = np.where(rising, late, zero), np.where(rising, one, early)
-    constant = np.stack((zero, zero)), np.stack((one, zero))
-    before = Pieces(item, first_low, first_high, offset, slope, one, zero, edge, constant[0], nothing)
-    behind = Pieces(
-        item, second_low, second_high, start - second, slope, one, zero, edge, constant[1], nothing
-    )
+    nothing, at_one, at_other = np.zeros((2, 3, count)), np.zeros((2, 2, count)), np.zeros((2, 2, count))
+    at_one[0, 0], at_other[0, 1] = 1.0, 1.0
+    before = Pieces(item, first_low, first_high, offset, slope, one, zero, edge, at_one, nothing)
+    behind = Pieces(item, second_low, second_high, start - second, slope, one, zero, edge, at_other, nothing)
     between = Pieces(
         item,
         early,
@@ -141,10 +139,19 @@ def beside(start: FloatArray, slope: FloatArray, first: FloatArray, second: Floa
         one,
         -one,
         edge,
-        np.stack((t0, t1)),
-        u / square,
+        np.stack((np.stack((one - t0, t0)), np.stack((-t1, t1)))),
+        np.stack((-u / square, u / square)),
     )
     return Pieces.joined([before, between, behind])
+
+
+def facing_node(start: FloatArray, slope: FloatArray, vertex: FloatArray) -> Pieces:
+    """Whole lines that face one node each, at places (3, K)."""
+    count = start.shape[1]
+    along = np.zeros((2, 1, count))
+    along[0] = 1.0
+    pieces = whole(start - vertex, slope, np.zeros(3), 1.0, 0.0)
+    return replace(pieces, along=along, spread=np.zeros((1, 3, count)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -176,7 +183,6 @@ class BoxCore:
         features = beyond.sum(axis=0)
         # of a side the axis out of it, of an edge that along it
         e = np.where(features == 2, 1.0 - beyond, beyond)
-        nothing = np.zeros((3, len(item)))
         return Pieces(
             item,
             low,
@@ -186,6 +192,6 @@ class BoxCore:
             (features >= 2).astype(np.float64),
             np.select([features == 1, features == 2], [1.0, -1.0], 0.0),
             e,
-            nothing[:2],
-            nothing,
+            np.zeros((2, 0, len(item))),
+            np.zeros((0, 3, len(item))),
         )

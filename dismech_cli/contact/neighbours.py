@@ -87,7 +87,7 @@ class Neighbours:
         ends = x[self.lines.nodes[directed]].transpose(1, 2, 3, 0)
         start = ends[0, 0]
         pieces = beside(start, ends[0, 1] - start, ends[1, 0], ends[1, 1])
-        return round_points(pieces, reach, factor, faced=2)
+        return round_points(pieces, reach, factor)
 
     def search(self, x: FloatArray, more: float) -> IntArray:
         """Allowed pairs whose lines may be within reach and ``more`` [m] of each other, shape (P, 2)."""

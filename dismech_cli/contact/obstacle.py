@@ -68,7 +68,7 @@ class Rounded:
 
     def points(self, start: FloatArray, slope: FloatArray, radii: FloatArray, factor: FloatArray) -> Points:
         """Points of contact of lines."""
-        return round_points(self.core.pieces(start, slope), self.radius + radii, factor, faced=0)
+        return round_points(self.core.pieces(start, slope), self.radius + radii, factor)
 
     def gaps(self, start: FloatArray, slope: FloatArray) -> FloatArray:
         """Distance of each line."""

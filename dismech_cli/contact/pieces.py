@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -23,8 +23,9 @@ class Pieces:
         identity: Share of the identity in Q, shape (K,); see :mod:`.points`.
         axis: Share of e e^T in Q, shape (K,).
         e: Axis of an edge or normal of a face, shape (3, K).
-        along: Weight of the second node of a faced segment, at s = 0 and its slope, shape (2, K).
-        spread: Its gradient to the point of the line [1/m], shape (3, K).
+        along: Weights of the m nodes that span what is faced, at s = 0 and their slopes, shape (2, m, K);
+            m is 0 where no nodes do.
+        spread: Their gradients to the point of the line [1/m], shape (m, 3, K).
     """
 
     item: IntArray
@@ -47,6 +48,10 @@ class Pieces:
     def some(self, kept: FloatArray | IntArray) -> Pieces:
         """Those of a mask or of indices."""
         return Pieces(*(getattr(self, name)[..., kept] for name in self.__slots__))
+
+    def fixed(self) -> Pieces:
+        """The same where what is faced follows no nodes."""
+        return replace(self, along=self.along[:, :0], spread=self.spread[:0])
 
     def within(self, reach: FloatArray) -> Pieces:
         """The parts of the pieces that are within the reach [m] of their items."""

@@ -128,14 +128,13 @@ class Points:
         return out
 
 
-def round_points(pieces: Pieces, reach: FloatArray, factor: FloatArray, *, faced: int) -> Points:
+def round_points(pieces: Pieces, reach: FloatArray, factor: FloatArray) -> Points:
     """Points of the energy sum over lines of factor (H^2 - |x|^2)^2 / (4 H^2).
 
     Args:
         pieces: Pieces of lines, by the feature that they face.
         reach: H of each item [m], shape (S,).
         factor: Stiffness times rest length times sign of each item [N/m], shape (S,).
-        faced: Nodes that span what is faced: none, a node or the two of a segment.
     """
     near = pieces.within(reach)
     at = spots(near.low, near.high)
@@ -147,7 +146,7 @@ def round_points(pieces: Pieces, reach: FloatArray, factor: FloatArray, *, faced
     f = factor[near.item] * at.share / (4.0 * h * h)
     distance = np.sqrt(square) + np.finfo(float).tiny
     pull = -4.0 * f * depth
-    weights, spread = _weights(near, at.s, faced)
+    weights, spread = _weights(near, at.s)
     return Points(
         item=near.item,
         s=at.s,
@@ -168,18 +167,11 @@ def round_points(pieces: Pieces, reach: FloatArray, factor: FloatArray, *, faced
     )
 
 
-def _weights(near: Pieces, s: FloatArray, faced: int) -> tuple[FloatArray, FloatArray]:
-    line = [1.0 - s, s]
-    nothing = np.zeros_like(near.spread)
-    t = near.along[0] + s * near.along[1]
-    match faced:
-        case 0:
-            return np.stack(line), np.stack((nothing, nothing))
-        case 1:
-            return np.stack((*line, np.full_like(s, -1.0))), np.stack((nothing, nothing, nothing))
-        case _:
-            spread = (nothing, nothing, -near.spread, near.spread)
-            return np.stack((*line, t - 1.0, -t)), np.stack(spread)
+def _weights(near: Pieces, s: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Weights of the nodes of the line and of what it faces, and their slopes."""
+    faced = near.along[0] + s * near.along[1]
+    nothing = np.zeros((2, 3, len(s)))
+    return np.concatenate((np.stack((1.0 - s, s)), -faced)), np.concatenate((nothing, near.spread))
 
 
 def flat_points(

@@ -11,7 +11,7 @@ import numpy as np
 from ..arrays import FloatArray, IntArray
 from ..model.term import Memory
 from .advance import longest_way
-from .cores import whole
+from .cores import facing_node
 from .neighbours import Neighbours, among, distances
 from .points import round_points
 from .search import MARGIN, Search
@@ -202,9 +202,7 @@ class RodPairs:
             points = self._all.points(x, faced, reach, factor)
         else:
             start, end, vertex = x[nodes[rows]].transpose(1, 2, 0)
-            points = round_points(
-                whole(start - vertex, end - start, np.zeros(3), 1.0, 0.0), reach, factor, faced=1
-            )
+            points = round_points(facing_node(start, end - start, vertex), reach, factor)
         bodies = self._all.lines.bodies[faced[points.item]]
         points = replace(points, item=rows[points.item])
         stencils = self._stencils[kind]

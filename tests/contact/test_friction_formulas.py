@@ -15,7 +15,7 @@ COUNT = 40
 def points_at(core: PointCore | LineCore | BoxCore, p: FloatArray) -> Points:
     """One point of contact each: lines so short that they are points."""
     tiny = np.full_like(p, 1e-9)
-    return round_points(core.pieces(p, tiny), np.full(COUNT, 1.0), np.full(COUNT, 3.0), faced=0)
+    return round_points(core.pieces(p, tiny), np.full(COUNT, 1.0), np.full(COUNT, 3.0))
 
 
 def test_tangents_against_differences() -> None:
