@@ -7,7 +7,7 @@ from itertools import combinations_with_replacement
 import numpy as np
 from scipy.spatial import KDTree
 
-from ..arrays import FloatArray, IntArray
+from ..arrays import BoolArray, FloatArray, IntArray
 
 # Lines within a class differ in half length and reach by at most this factor: one tree each.
 _CLASS = 4.0
@@ -22,8 +22,7 @@ def near_pairs(middles: FloatArray, sizes: FloatArray) -> IntArray:
     """
     if len(sizes) < 2:
         return np.empty((0, 2), dtype=np.int64)
-    classes = np.floor(np.log(sizes / sizes.min()) / np.log(_CLASS) + 1e-9).astype(np.int64)
-    members = [np.flatnonzero(classes == one) for one in np.unique(classes)]
+    members = _classes(sizes)
     trees = [KDTree(middles[own]) for own in members]
     found = [np.empty((0, 2), dtype=np.int64)]
     for a, b in combinations_with_replacement(range(len(members)), 2):
@@ -41,3 +40,43 @@ def near_pairs(middles: FloatArray, sizes: FloatArray) -> IntArray:
         found.append(np.sort(pairs[inside], axis=1))
     every = np.concatenate(found)
     return every[np.lexsort((every[:, 1], every[:, 0]))]
+
+
+def near_between(
+    first: FloatArray, first_size: FloatArray, second: FloatArray, second_size: FloatArray
+) -> IntArray:
+    """All pairs of a ball of the first kind and one of the second that overlap, shape (P, 2).
+
+    Args:
+        first: Centres [m], shape (A, 3).
+        first_size: Radii [m], shape (A,).
+        second: Centres, shape (B, 3).
+        second_size: Radii, shape (B,).
+    """
+    found = [np.empty((0, 2), dtype=np.int64)]
+    ones = [(own, KDTree(first[own])) for own in _classes(first_size)]
+    for others in _classes(second_size):
+        tree = KDTree(second[others])
+        for own, mine in ones:
+            radius = first_size[own].max() + second_size[others].max()
+            near = mine.sparse_distance_matrix(tree, radius, output_type="ndarray")
+            pairs = np.stack((own[near["i"]], others[near["j"]]), axis=1)
+            found.append(pairs[near["v"] < first_size[pairs[:, 0]] + second_size[pairs[:, 1]]])
+    return np.concatenate(found)
+
+
+def _classes(sizes: FloatArray) -> list[IntArray]:
+    """Numbers of those of similar size."""
+    if not len(sizes):
+        return []
+    classes = np.floor(np.log(sizes / sizes.min()) / np.log(_CLASS) + 1e-9).astype(np.int64)
+    return [np.flatnonzero(classes == one) for one in np.unique(classes)]
+
+
+def among(keys: IntArray, ordered: IntArray) -> BoolArray:
+    """Which keys are among ascending ones."""
+    if not len(ordered):
+        return np.zeros(len(keys), dtype=np.bool_)
+    place = np.minimum(np.searchsorted(ordered, keys), len(ordered) - 1)
+    found: BoolArray = ordered[place] == keys
+    return found

@@ -15,6 +15,7 @@ from ..kinematics.dofs import DofMap
 from ..model.configuration import Configuration
 from ..model.term import BoundChanging, Memory
 from ..model.touch import Touch
+from .faces import Faces
 from .lines import Lines
 from .near_wall import NearWall
 from .neighbours import Neighbours
@@ -23,6 +24,7 @@ from .source import Source
 from .stencils import Stencils
 from .stiffness import Hardness, Rule, given_up
 from .sums import deepest, summed
+from .surface_pairs import SurfacePairs
 from .terms import FullFriction, NormalTerm, SymmetricFriction
 from .touching import Touching
 from .walls import Wall
@@ -51,7 +53,8 @@ class Contact:
         map: Numbering of the DOFs.
         lines: All lines.
         walls: Obstacles with the lines that may touch them.
-        neighbours: Bodies that may touch each other; None if none may.
+        neighbours: Rods that may touch each other; None if none may.
+        faces: What may touch shells; None if nothing may.
         rule: Decides on the stiffness.
         friction: None where all is smooth.
         pairs: Names of the pairs of bodies.
@@ -61,6 +64,7 @@ class Contact:
     lines: Lines
     walls: tuple[Wall, ...]
     neighbours: Neighbours | None
+    faces: Faces | None
     rule: Rule
     friction: Friction | None
     pairs: tuple[tuple[str, str], ...]
@@ -78,7 +82,7 @@ class Contact:
     @property
     def spreads(self) -> bool:
         """Whether bodies touch each other; obstacles couple nothing that their lines do not."""
-        return self.neighbours is not None
+        return self.neighbours is not None or self.faces is not None
 
     def start(self, driver: Driver) -> Contacts:
         """What the terms share, with the terms."""
@@ -97,6 +101,8 @@ class Contacts:
         self._sources: tuple[Source, ...] = tuple(NearWall(wall) for wall in contact.walls)
         if contact.neighbours is not None:
             self._sources = (*self._sources, RodPairs(contact.neighbours))
+        if contact.faces is not None:
+            self._sources = (*self._sources, SurfacePairs(contact.faces))
         self.couplings: tuple[Coupling, ...] = ()
         self._list()
         self._at: Configuration | None = None

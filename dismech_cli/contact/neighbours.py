@@ -11,9 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import BoolArray, FloatArray, IntArray
+from ..arrays import FloatArray, IntArray
 from ..kinematics.dofs import DofMap
-from .candidates import near_pairs
+from .candidates import among, near_pairs
 from .cores import beside
 from .lines import Lines
 from .points import Points, round_points
@@ -102,12 +102,3 @@ def distances(ends: FloatArray) -> FloatArray:
     """Distances of lines with ends (2, 2, 3, P)."""
     start, first = ends[0, 0], ends[1, 0]
     return beside(start, ends[0, 1] - start, first, ends[1, 1]).nearest(start.shape[1])
-
-
-def among(keys: IntArray, ordered: IntArray) -> BoolArray:
-    """Which keys are among ascending ones."""
-    if not len(ordered):
-        return np.zeros(len(keys), dtype=np.bool_)
-    place = np.minimum(np.searchsorted(ordered, keys), len(ordered) - 1)
-    found: BoolArray = ordered[place] == keys
-    return found

@@ -12,7 +12,8 @@ from ..arrays import FloatArray, IntArray
 from ..model.term import Memory
 from .advance import longest_way
 from .cores import facing_node
-from .neighbours import Neighbours, among, distances
+from .candidates import among
+from .neighbours import Neighbours, distances
 from .points import round_points
 from .search import MARGIN, Search
 from .source import Depths

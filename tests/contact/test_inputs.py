@@ -99,22 +99,3 @@ def test_a_start_within_something_is_told_with_the_pair() -> None:
     for key in ("from", "to"):
         deck["geometry"][1]["generate"][key][2] = 0.002
     assert "'low' starts within 'high' by 50% of their thickness" in warnings(deck)
-
-
-def test_shells_wait() -> None:
-    deck = crossing(1e-3, 1.0)
-    deck["geometry"][1] = {
-        "type": "shell",
-        "name": "high",
-        "material": "m",
-        "thickness": 1e-3,
-        "generate": {
-            "shape": "sheet",
-            "origin": [0, 0, 0.05],
-            "length": 0.1,
-            "width": 0.1,
-            "divisions": 3,
-        },
-    }
-    with pytest.raises(ScenarioError, match="bodies may not touch shells yet, such as 'high'"):
-        dismech_cli.simulate(deck)

@@ -15,6 +15,7 @@ from ...scenario.language.contact import PenaltyLaw
 from ..scene import Scene
 from ..structure.structure import Structure
 from ..touching import named_pairs
+from .faces import make_faces
 from .lines import make_lines
 from .neighbours import make_neighbours
 from .obstacles import make_obstacle
@@ -40,6 +41,7 @@ def make_contact(scene: Scene, structure: Structure) -> Contact:
         lines=lines,
         walls=tuple(_walls(scene, structure, lines, stiffness, walls)),
         neighbours=make_neighbours(scene, structure, lines, stiffness),
+        faces=make_faces(scene, structure, lines, stiffness),
         rule=rule,
         friction=_friction(spec, among_bodies=bool(bodies)),
         pairs=tuple(named_pairs(scene.scenario)),

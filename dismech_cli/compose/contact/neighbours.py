@@ -21,25 +21,13 @@ _TIGHT = 0.999
 def make_neighbours(
     scene: Scene, structure: Structure, lines: Lines, stiffness: FloatArray
 ) -> Neighbours | None:
-    """Who may touch whom; None if no body may touch a body.
-
-    Raises:
-        ScenarioError: A shell would touch a body.
-    """
-    pairs = body_pairs(scene.scenario)
+    """Which rods may touch each other; None if none may."""
+    shells = scene.geometry.shell_keys
+    pairs = [
+        pair for pair in body_pairs(scene.scenario) if pair.first not in shells and pair.second not in shells
+    ]
     if not pairs:
         return None
-    given = scene.scenario.contact is not None and scene.scenario.contact.pairs is not None
-    shells = {key for pair in pairs for key in (pair.first, pair.second)}.intersection(
-        scene.geometry.shell_keys
-    )
-    if shells:
-        name = lines.names[min(shells)]
-        raise scene.error(
-            ("contact", "pairs") if given else ("contact",),
-            f"bodies may not touch shells yet, such as '{name}'; give `pairs` of rods with each other and of "
-            "bodies with obstacles",
-        )
     count = len(lines.names)
     labels = np.full((count, count), -1, dtype=np.int64)
     signs, friction = np.ones((count, count)), np.zeros((count, count))

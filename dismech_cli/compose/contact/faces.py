@@ -1,0 +1,96 @@
+"""Lines of a scene and the shells that they may touch."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...arrays import FloatArray, IntArray
+from ...contact.exclusion import near_along
+from ...contact.faces import Faces
+from ...contact.lines import Lines
+from ...contact.surface import Surface
+from ...contact.surface_exclusion import with_exclusions
+from ..bodies.geometry import Geometry
+from ..scene import Scene
+from ..structure.masses import nodal_mass
+from ..structure.structure import Structure
+from .pairs import body_pairs
+
+
+def make_faces(scene: Scene, structure: Structure, lines: Lines, stiffness: FloatArray) -> Faces | None:
+    """Who may touch shells; None if nothing may."""
+    geometry = scene.geometry
+    shells = np.array(geometry.shell_keys, dtype=np.int64)
+    pairs = [
+        pair
+        for pair in body_pairs(scene.scenario)
+        if pair.first in geometry.shell_keys or pair.second in geometry.shell_keys
+    ]
+    if not pairs:
+        return None
+    count = len(lines.names)
+    labels = np.full((count, count), -1, dtype=np.int64)
+    signs, friction = np.ones((count, count)), np.zeros((count, count))
+    for pair in pairs:
+        for a, b in ((pair.first, pair.second), (pair.second, pair.first)):
+            if b in geometry.shell_keys:
+                labels[a, b], friction[a, b] = pair.label, pair.friction
+        if pair.first != pair.second:
+            signs[pair.second, pair.first] = -1.0
+    involved = np.flatnonzero((labels >= 0).any(axis=1))
+    mass = nodal_mass(geometry, len(structure.positions), structure.payload)
+    bodies = shells[geometry.triangle_shell]
+    found = Faces(
+        lines=lines,
+        numbers=np.flatnonzero(np.isin(lines.bodies, involved)),
+        surface=Surface(
+            nodes=geometry.triangles,
+            halves=0.5 * geometry.per_triangle("thickness"),
+            masses=mass[geometry.triangles].mean(axis=1),
+            bodies=bodies,
+        ),
+        # nodes of a shell are shared by the lines of all directions
+        masses=np.where(np.isin(lines.bodies, shells), 0.5, 1.0) * lines.masses,
+        stiffness=_stiffness(lines, stiffness, shells),
+        labels=labels,
+        signs=signs,
+        friction=friction,
+        excluded=np.empty(0, dtype=np.int64),
+        own_reach=np.full(len(lines.nodes), np.inf),
+        map=structure.dofs,
+    )
+    near = near_along(lines.nodes, lines.lengths, lines.radii, structure.dofs.n_nodes)
+    line_pairs = np.stack(np.divmod(near, len(lines.nodes)), axis=1)
+    x = structure.dofs.space_positions(structure.rest)
+    return with_exclusions(found, x, line_pairs, _sides(geometry, lines, bodies))
+
+
+def _stiffness(lines: Lines, stiffness: FloatArray, shells: IntArray) -> FloatArray:
+    """Of lines of a body (first index) against a shell at factor one.
+
+    Shells [N/m^3] have the greater of both, half of it on each side. Rods [N/m^2] carry the weight of a
+    strip of the shell as wide as they are themselves, or their own.
+    """
+    count = len(lines.names)
+    body, width = np.zeros(count), np.zeros(count)
+    np.maximum.at(body, lines.bodies, stiffness)
+    np.maximum.at(width, lines.bodies, 2.0 * lines.radii)
+    is_shell = np.isin(np.arange(count), shells)[:, None]
+    both = np.maximum(body[:, None], body)
+    return np.where(is_shell, 0.5 * both, np.maximum(body[:, None], width[:, None] * body))
+
+
+def _sides(geometry: Geometry, lines: Lines, bodies: IntArray) -> IntArray:
+    """Lines that are the sides of each triangle, shape (T, 3)."""
+    count = len(geometry.nodes)
+
+    def keys(ends: IntArray, body: IntArray) -> IntArray:
+        ends = np.sort(ends, axis=-1)
+        out: IntArray = (body * count + ends[..., 0]) * count + ends[..., 1]
+        return out
+
+    own = keys(lines.nodes, lines.bodies)
+    order = np.argsort(own)
+    following = np.roll(geometry.triangles, -1, axis=1)
+    wanted = keys(np.stack((geometry.triangles, following), axis=-1), bodies[:, None])
+    return order[np.searchsorted(own[order], wanted)]

@@ -1,0 +1,126 @@
+"""Lines and the triangles of shells that they may touch."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arrays import FloatArray, IntArray
+from ..kinematics.dofs import DofMap
+from .candidates import among, near_between
+from .facing_triangle import facing
+from .lines import Lines
+from .pieces import Pieces
+from .surface import Surface
+
+
+@dataclass(frozen=True, slots=True)
+class Faces:
+    """Who may touch shells.
+
+    A rod touches a shell along its own lines only. Two shells, or a shell and itself, touch along the lines
+    of either, at half the energy each.
+
+    Attributes:
+        lines: All lines; those of numbers take part.
+        numbers: Lines that take part, shape (K,).
+        surface: The triangles, T of them.
+        masses: Mass that comes with each of all lines [kg], shape (E,).
+        stiffness: Of a line of the body of the first index against a shell, per length and weight of the line
+            at factor one, shape (bodies, bodies).
+        labels: Number of the pair of two bodies, -1 if they may not touch, same shape.
+        signs: 1 where the first index is the first of the pair, else -1, same shape.
+        friction: Coefficients, same shape.
+        excluded: Keys of lines and triangles that are too near along a body, ascending.
+        own_reach: Most that the reach of a line to its own body may be [m], shape (E,).
+        map: Numbering of the DOFs.
+    """
+
+    lines: Lines
+    numbers: IntArray
+    surface: Surface
+    masses: FloatArray
+    stiffness: FloatArray
+    labels: IntArray
+    signs: FloatArray
+    friction: FloatArray
+    excluded: IntArray
+    own_reach: FloatArray
+    map: DofMap
+
+    def keys(self, pairs: IntArray) -> IntArray:
+        """Line times number of triangles plus triangle, of pairs (P, 2)."""
+        return pairs[:, 0] * len(self.surface.nodes) + pairs[:, 1]
+
+    def pairs(self, keys: IntArray) -> IntArray:
+        """Pairs of keys, shape (P, 2)."""
+        return np.stack(np.divmod(keys, len(self.surface.nodes)), axis=1)
+
+    def bodies(self, pairs: IntArray) -> tuple[IntArray, IntArray]:
+        """Body of the line and of the triangle of each pair, shapes (P,)."""
+        return self.lines.bodies[pairs[:, 0]], self.surface.bodies[pairs[:, 1]]
+
+    def thickness(self, pairs: IntArray) -> FloatArray:
+        """Half the thickness of both together [m], shape (P,)."""
+        both: FloatArray = self.lines.radii[pairs[:, 0]] + self.surface.halves[pairs[:, 1]]
+        return both
+
+    def reach(self, pairs: IntArray) -> FloatArray:
+        """Distance at which pairs touch [m], shape (P,): the same for all triangles of a line and a body."""
+        line, face = self.bodies(pairs)
+        own = np.where(line == face, self.own_reach[pairs[:, 0]], np.inf)
+        return np.minimum(self.thickness(pairs), own)
+
+    def factor(self, pairs: IntArray) -> FloatArray:
+        """Stiffness times rest length and weight of the line [N/m], shape (P,)."""
+        line, face = self.bodies(pairs)
+        lines = self.lines
+        scale: FloatArray = (
+            self.stiffness[line, face] * lines.lengths[pairs[:, 0]] * lines.weights[pairs[:, 0]]
+        )
+        return scale
+
+    def pieces(self, x: FloatArray, pairs: IntArray) -> Pieces:
+        """Pieces of the lines by what they face of their triangles, with nodes at (N, 3) [m]."""
+        start, end = x[self.lines.nodes[pairs[:, 0]]].transpose(1, 2, 0)
+        corners = np.ascontiguousarray(x[self.surface.nodes[pairs[:, 1]]].transpose(1, 2, 0))
+        return facing(np.ascontiguousarray(start), end - start, corners)
+
+    def apart(self, x: FloatArray, more: FloatArray, pairs: IntArray) -> FloatArray:
+        """Distance of the boxes of the pairs at two places of the nodes (N, 3) [m], shape (P,).
+
+        It is no more than the least distance on the straight way between the two.
+        """
+        line, face = self.lines.nodes[pairs[:, 0]], self.surface.nodes[pairs[:, 1]]
+        low, high = np.minimum(x, more), np.maximum(x, more)
+        over = np.maximum(
+            low[line].min(axis=1) - high[face].max(axis=1), low[face].min(axis=1) - high[line].max(axis=1)
+        )
+        gap = np.maximum(over, 0.0)
+        return np.asarray(np.sqrt((gap * gap).sum(axis=1)))
+
+    def search(self, x: FloatArray, more: float) -> IntArray:
+        """Keys of pairs that may be within reach and ``more`` [m] of each other, ascending."""
+        ends, corners = x[self.lines.nodes[self.numbers]], x[self.surface.nodes]
+        first, first_size = _balls(ends)
+        second, second_size = _balls(corners)
+        pairs = near_between(
+            first,
+            first_size + self.lines.radii[self.numbers] + more,
+            second,
+            second_size + self.surface.halves,
+        )
+        pairs[:, 0] = self.numbers[pairs[:, 0]]
+        line, face = self.bodies(pairs)
+        pairs = pairs[self.labels[line, face] >= 0]
+        pairs = pairs[self.apart(x, x, pairs) < self.thickness(pairs) + more]
+        keys = np.sort(self.keys(pairs))
+        return keys[~among(keys, self.excluded)]
+
+
+def _balls(corners: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Balls about points (K, n, 3) [m]."""
+    middle = corners.mean(axis=1)
+    out = corners - middle[:, None]
+    return middle, np.sqrt((out * out).sum(axis=2).max(axis=1))

@@ -1,0 +1,246 @@
+"""Finds lines that touch shells."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from ..arrays import FloatArray, IntArray
+from ..model.term import Memory
+from .advance import longest_way
+from .candidates import among
+from .faces import Faces
+from .facing import Facing
+from .pieces import Pieces
+from .source import Depths
+from .stencils import Stencils
+from .stiffness import impact_force
+from .touching import Touching
+
+LISTED: Final = "contact.faces"
+
+# In units of the distance at which things touch: how far the search goes beyond it at least, and how far the
+# pairs that are given places in the matrix, once one that touches has none.
+_SKIN, _MARGIN = 0.5, 0.1
+# Of what moved between two searches, the next one goes so many times farther.
+_AHEAD = 4.0
+# Motion within a step may bring lines to half the distance at which they touch, or half as near as they are.
+_NEAREST = 0.5
+# Pairs with places that are out of reach are kept as long as they are fewer than this share, and a few.
+_STALE, _FEW = 0.3, 10
+
+
+@dataclass(frozen=True, slots=True)
+class _Seen:
+    """Pairs that are near at some places of the nodes.
+
+    Attributes:
+        x: The nodes [m], shape (N, 3).
+        keys: Of the pairs, ascending, shape (P,).
+        reach: Distance at which they touch [m], shape (P,).
+        distance: [m], shape (P,).
+        pieces: Of their lines.
+    """
+
+    x: FloatArray
+    keys: IntArray
+    reach: FloatArray
+    distance: FloatArray
+    pieces: Pieces
+
+    def within(self, margin: float) -> IntArray:
+        """Keys of those within reach and a margin in units of it."""
+        return self.keys[self.distance < (1.0 + margin) * self.reach]
+
+
+class SurfacePairs:
+    """Finds lines that touch triangles of shells; implements :class:`.source.Source`."""
+
+    steady = True
+
+    def __init__(self, faces: Faces) -> None:
+        self._all = faces
+        self._searched: FloatArray | None = None
+        self._candidates = np.empty(0, dtype=np.int64)
+        self._skin = 0.0
+        self._thick = 2.0 * max(
+            float(faces.lines.radii[faces.numbers].max(initial=0.0)), float(faces.surface.halves.max())
+        )
+        self._used = np.union1d(faces.lines.nodes[faces.numbers], faces.surface.nodes)
+        self._seen: _Seen | None = None
+        self._changed = True
+        self._list(np.empty(0, dtype=np.int64))
+
+    def recall(self, memory: Memory) -> None:
+        """Take up the pairs that have places."""
+        listed = memory.get(LISTED, np.empty(0)).astype(np.int64)
+        if not np.array_equal(listed, self._facing.keys):
+            self._list(listed)
+
+    def memory(self, x: FloatArray) -> Memory:
+        """The pairs that have places; if too many of them are far apart, those that are near."""
+        near, listed = self._look(x).within(_MARGIN), self._facing.keys
+        many = len(listed) > (1.0 + _STALE) * len(near) + _FEW
+        return {LISTED: (near if many else listed).astype(np.float64)}
+
+    def detect(self, x: FloatArray) -> bool:
+        """Give places to all pairs nearby if one that touches has none."""
+        seen = self._look(x)
+        if not among(seen.within(0.0), self._facing.keys).all():
+            self._list(np.union1d(seen.within(_MARGIN), self._facing.keys))
+        changed, self._changed = self._changed, False
+        return changed
+
+    def touching(self, x: FloatArray, v: FloatArray, t: float, factor: float) -> Iterator[Touching]:
+        """Lines against triangles, and what sides and corners of these count too much."""
+        every, facing = self._all, self._facing
+        rows, pieces, pairs, reach = self._within(self._look(x), facing)
+        points_of = facing.points(x, rows, pieces, reach, factor * every.factor(pairs))
+        for kind, points, owner in points_of:
+            line, face = every.bodies(facing.pairs[owner])
+            stencils = self._stencils[kind]
+            yield Touching(
+                kind=kind,
+                stencils=stencils,
+                points=points,
+                friction=every.friction[line, face],
+                velocity=points.relative(stencils.gathered(v)),
+                label=every.labels[line, face],
+                sign=every.signs[line, face],
+            )
+
+    def velocities(self, touching: Touching, x: FloatArray, v: FloatArray, t: float) -> FloatArray:
+        """Relative velocities at points of contact [m/s], shape (3, K)."""
+        return touching.points.relative(touching.stencils.gathered(v))
+
+    @property
+    def stencils(self) -> tuple[Stencils, ...]:
+        """Nodes of lines with triangles, sides and corners."""
+        return self._stencils
+
+    def depths(self, x: FloatArray, t: float) -> Depths:
+        """Penetration of each line into each body, its deepest."""
+        every, seen = self._all, self._look(x)
+        near = np.flatnonzero(seen.distance < seen.reach)
+        pairs = every.pairs(seen.keys[near])
+        shares = (seen.reach - seen.distance)[near] / every.thickness(pairs)
+        labels = every.labels[every.bodies(pairs)]
+        both, of = np.unique(np.column_stack((pairs[:, 0], labels)), axis=0, return_inverse=True)
+        deepest = np.zeros(len(both))
+        np.maximum.at(deepest, of.reshape(-1), shares)
+        return Depths(both[:, 0], deepest, both[:, 1])
+
+    def needed(self, x: FloatArray, ahead: FloatArray, t: float, dt: float, tolerance: float) -> float:
+        """Factor of the stiffness that stops what comes.
+
+        Each line must be stopped by all that it faces together.
+        """
+        every = self._all
+        keys = self._reaching(x, ahead)
+        pairs = every.pairs(keys)
+        later = every.pieces(ahead, pairs).nearest(len(pairs))
+        coming = np.flatnonzero(later < every.reach(pairs))
+        if not len(coming):
+            return 0.0
+        lines, of = np.unique(pairs[coming, 0], return_inverse=True)
+        fellows = np.flatnonzero(np.isin(pairs[:, 0], lines))
+        pieces = every.pieces(x, pairs[fellows])
+        now = np.zeros(len(pairs))
+        now[fellows] = pieces.nearest(len(fellows))
+        mass, other = every.masses[pairs[coming, 0]], every.surface.masses[pairs[coming, 1]]
+        depth = tolerance * every.thickness(pairs)
+        approach = np.maximum(now - later, 0.0)[coming] / dt
+        force, nearest = np.zeros(len(lines)), np.full(len(lines), np.inf)
+        np.maximum.at(force, of, impact_force(mass * other / (mass + other), approach, depth[coming], dt))
+        np.minimum.at(nearest, of, (now + depth)[coming])
+        # of lines so thick that they are as deep as they may be
+        reach = nearest[np.searchsorted(lines, pairs[fellows, 0])]
+        inside = np.flatnonzero(now[fellows] < reach)
+        facing = Facing.of(every, keys[fellows[inside]])
+        rows = np.arange(len(inside))
+        held = np.zeros(len(every.lines.nodes))
+        scale = every.factor(facing.pairs)
+        for _, points, owner in facing.points(x, rows, _only(pieces, inside), reach[inside], scale):
+            np.add.at(held, facing.pairs[owner, 0], points.load)
+        return float((force / (np.maximum(held[lines], 0.0) + np.finfo(float).tiny)).max())
+
+    def longest_step(self, x0: FloatArray, x1: FloatArray, t0: float, t1: float) -> float:
+        """Part of the way on which no line passes through a triangle."""
+        every = self._all
+        pairs = every.pairs(self._reaching(x0, x1))
+        if not len(pairs):
+            return 1.0
+        way = x1 - x0
+        line, face = way[every.lines.nodes[pairs[:, 0]]], way[every.surface.nodes[pairs[:, 1]]]
+        apart = line[:, :, None] - face[:, None]
+        speed = np.sqrt((apart * apart).sum(axis=3)).max(axis=(1, 2))
+
+        def gap_at(part: float, which: IntArray) -> FloatArray:
+            return every.pieces(x0 + part * way, pairs[which]).nearest(len(which))
+
+        return longest_way(gap_at, speed, _NEAREST * every.reach(pairs))
+
+    def _within(self, seen: _Seen, facing: Facing) -> tuple[IntArray, Pieces, IntArray, FloatArray]:
+        """Rows of pairs with places that are within reach, their pieces, themselves and their reach."""
+        near = np.flatnonzero((seen.distance < seen.reach) & among(seen.keys, facing.keys))
+        rows = np.searchsorted(facing.keys, seen.keys[near])
+        return rows, _only(seen.pieces, near), facing.pairs[rows], seen.reach[near]
+
+    def _reaching(self, x0: FloatArray, x1: FloatArray) -> IntArray:
+        """Keys of pairs that may come within reach of each other on a straight way."""
+        moved = _farthest((x1 - x0)[self._used])
+        self._search(x0)
+        keys = self._candidates
+        if 2.0 * moved + 2.0 * self._strayed(x0) > self._skin:
+            keys = self._all.search(x0, 2.0 * moved)
+        pairs = self._all.pairs(keys)
+        return keys[self._all.apart(x0, x1, pairs) < self._all.reach(pairs)]
+
+    def _look(self, x: FloatArray) -> _Seen:
+        """What is near; kept until other places are asked for."""
+        if self._seen is None or not np.array_equal(self._seen.x, x):
+            self._search(x)
+            every = self._all
+            pairs = every.pairs(self._candidates)
+            near = every.apart(x, x, pairs) < (1.0 + _MARGIN) * every.reach(pairs)
+            pairs = pairs[near]
+            pieces = every.pieces(x, pairs)
+            self._seen = _Seen(
+                x.copy(), self._candidates[near], every.reach(pairs), pieces.nearest(len(pairs)), pieces
+            )
+        return self._seen
+
+    def _search(self, x: FloatArray) -> None:
+        """Search anew if nodes have moved so far that pairs may be missing."""
+        spare = self._skin - _MARGIN * self._thick
+        strayed = 0.0 if self._searched is None else self._strayed(x)
+        if self._searched is not None and 2.0 * strayed <= spare:
+            return
+        self._skin = _SKIN * self._thick + min(_AHEAD * strayed, _AHEAD * self._thick)
+        self._searched = x.copy()
+        self._candidates = self._all.search(x, self._skin)
+
+    def _strayed(self, x: FloatArray) -> float:
+        """How far a node has moved since the last search [m]."""
+        assert self._searched is not None
+        return _farthest((x - self._searched)[self._used])
+
+    def _list(self, keys: IntArray) -> None:
+        self._facing, self._changed = Facing.of(self._all, keys), True
+        junctions = self._facing.junctions
+        kinds = (self._facing.nodes, junctions.sides, junctions.corners)
+        self._stencils = tuple(Stencils(self._all.map, nodes) for nodes in kinds)
+
+
+def _farthest(way: FloatArray) -> float:
+    return float(np.sqrt((way * way).sum(axis=1).max(initial=0.0)))
+
+
+def _only(pieces: Pieces, items: IntArray) -> Pieces:
+    """Pieces of some ascending items, numbered anew."""
+    kept = np.flatnonzero(among(pieces.item, items))
+    some = pieces.some(kept)
+    return Pieces(np.searchsorted(items, some.item), *(getattr(some, name) for name in Pieces.__slots__[1:]))
