@@ -40,12 +40,13 @@ def make_changing(scene: Scene, structure: Structure) -> Changing:
     from ..contact.terms import FRICTION, NORMAL
     from .contact.contact import make_contact
     from .contact.doubts import depth_check, start_doubts
+    from .contact.face_doubts import crossing_checks
 
     contact = make_contact(scene, structure)
     return Changing(
         terms=(contact,),
         storing=(NORMAL,),
         rubbing=() if contact.friction is None else (FRICTION,),
-        checks=(depth_check(contact),),
+        checks=(depth_check(contact), *crossing_checks(contact)),
         warnings=tuple(start_doubts(scene, structure, contact)),
     )

@@ -83,11 +83,9 @@ class Points:
         out -= turn.transpose(1, 0, 3, 2, 4)
         return out
 
-    def convex_hessians(self) -> FloatArray:
-        """The same without what the direction of the gap costs (Gauss and Newton), shape (n, n, 3, 3, K)."""
-        w = self.weights
-        dyad = self.along * self.gap[:, None] * self.gap
-        out: FloatArray = w[:, None, None, None] * w[None, :, None, None] * dyad
+    def directions(self) -> FloatArray:
+        """Vectors whose squares times ``along`` are the Hessian along the gaps, shape (n, 3, K)."""
+        out: FloatArray = self.weights[:, None] * self.gap
         return out
 
     def friction(self, coefficient: FloatArray, sharpness: float, velocity: FloatArray) -> FloatArray:

@@ -40,9 +40,13 @@ class Stencils:
 
     def add(self, item: IntArray, vectors: FloatArray, r: FloatArray) -> None:
         """Add vectors (n, 3, K) of points of some items to the DOFs of ``r``, shape (n,)."""
-        dofs = self.dofs[item]
-        inside = vectors[:, list(self.map.axes)].transpose(2, 0, 1).reshape(dofs.shape)
-        np.add.at(r, dofs, inside)
+        np.add.at(r, self.dofs[item], self.flat(vectors))
+
+    def flat(self, vectors: FloatArray) -> FloatArray:
+        """Vectors (n, 3, K) as those of the DOFs of an item, shape (K, n d)."""
+        inside = vectors[:, list(self.map.axes)]
+        n, d, count = inside.shape
+        return np.ascontiguousarray(inside.reshape(n * d, count).T)
 
     def local(self, blocks: FloatArray) -> FloatArray:
         """Blocks (n, n, 3, 3, K) as matrices of the DOFs of an item, shape (K, n d, n d)."""
@@ -71,6 +75,13 @@ class SymmetricPlaces:
     def add(self, item: IntArray, matrices: FloatArray, values: FloatArray) -> None:
         """Add matrices (K, n d, n d) of points of some items to stored values (slots,)."""
         np.add.at(values, self.slots[item], matrices[:, self.rows, self.columns])
+
+    def add_squares(
+        self, item: IntArray, factors: FloatArray, vectors: FloatArray, values: FloatArray
+    ) -> None:
+        """Add factors (K,) times u u^T of vectors (K, n d) of points of some items to stored values."""
+        upper = (factors[:, None] * vectors)[:, self.rows] * vectors[:, self.columns]
+        np.add.at(values, self.slots[item], upper)
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import ClassVar, Protocol
 
 import numpy as np
@@ -71,17 +71,25 @@ class NormalTerm:
 
     def add_linearization(self, c: Configuration, into: Linearization) -> None:
         """Add dE/dq and d2E/dq2."""
-        self._add(c, into, lambda points: points.hessians())
-
-    def add_convex_linearization(self, c: Configuration, into: Linearization) -> None:
-        """Add dE/dq and what its Hessian has along the gaps."""
-        self._add(c, into, lambda points: points.convex_hessians())
-
-    def _add(self, c: Configuration, into: Linearization, hessians: Callable[..., FloatArray]) -> None:
         for touching in self._found.touching(c):
             points, stencils = touching.points, touching.stencils
             stencils.add(points.item, points.gradients(), into.residual)
-            self._places[touching.kind].add(points.item, stencils.local(hessians(points)), into.stiffness)
+            if points.bend.any():
+                matrices = stencils.local(points.hessians())
+                self._places[touching.kind].add(points.item, matrices, into.stiffness)
+            else:
+                self._add_squares(touching, into)
+
+    def add_convex_linearization(self, c: Configuration, into: Linearization) -> None:
+        """Add dE/dq and what its Hessian has along the gaps (Gauss and Newton)."""
+        for touching in self._found.touching(c):
+            touching.stencils.add(touching.points.item, touching.points.gradients(), into.residual)
+            self._add_squares(touching, into)
+
+    def _add_squares(self, touching: Touching, into: Linearization) -> None:
+        points, places = touching.points, self._places[touching.kind]
+        vectors = touching.stencils.flat(points.directions())
+        places.add_squares(points.item, points.along, vectors, into.stiffness)
 
 
 class _Friction:

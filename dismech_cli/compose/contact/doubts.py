@@ -14,9 +14,8 @@ from ...run.observables.snapshot import Snapshot
 from ...run.validity import Check
 from ..scene import Scene
 from ..structure.structure import Structure
-
-# What rounding makes of a body that lies on another.
-_ROUNDING = 1e-6
+from .face_doubts import face_doubts
+from .words import ROUNDING, nearer_than_thick, starts_within
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,7 +38,7 @@ def depth_check(contact: Contact) -> Check:
     allowed = contact.rule.tolerance
     return Check(
         Depth(len(contact.lines.nodes)),
-        allowed * (1.0 + _ROUNDING),
+        allowed * (1.0 + ROUNDING),
         contact.lines.nodes[:, 0],
         lambda value: (
             f"bodies press into each other by {value:.1%} of their thickness, not {allowed:.3g}"
@@ -59,7 +58,7 @@ def start_doubts(scene: Scene, structure: Structure, contact: Contact) -> Iterat
         for label in np.unique(wall.labels).tolist():
             mine = wall.labels == label
             share = float((depth / thickness[wall.numbers])[mine].max(initial=0.0))
-            if share > contact.rule.tolerance * (1.0 + _ROUNDING):
+            if share > contact.rule.tolerance * (1.0 + ROUNDING):
                 body, obstacle = contact.pairs[label]
                 deep = float(depth[mine].max())
                 yield scene.loaded.warning(
@@ -69,6 +68,8 @@ def start_doubts(scene: Scene, structure: Structure, contact: Contact) -> Iterat
                 )
     if contact.neighbours is not None:
         yield from _bodies_within(scene, contact, contact.neighbours, x)
+    if contact.faces is not None:
+        yield from face_doubts(scene, contact, contact.faces, x)
 
 
 def _bodies_within(scene: Scene, contact: Contact, found: Neighbours, x: FloatArray) -> Iterator[str]:
@@ -78,20 +79,12 @@ def _bodies_within(scene: Scene, contact: Contact, found: Neighbours, x: FloatAr
         pairs = found.pairs(found.tight)
         for body in np.unique(bodies[pairs[:, 0]]).tolist():
             nearest = float(found.tight_reach[bodies[pairs[:, 0]] == body].min())
-            yield scene.loaded.warning(
-                ("contact",),
-                f"'{names[body]}' is nearer to itself at rest than it is thick: such places touch only "
-                f"as they come nearer than they start, {nearest:.3g} m at the least",
-            )
+            yield scene.loaded.warning(("contact",), nearer_than_thick(names[body], nearest))
     near = found.search(x, 0.0)
     shares = (found.reach(near) - found.distances(x, near)) / radii[near].sum(axis=1)
     labels = found.labels[bodies[near[:, 0]], bodies[near[:, 1]]]
-    deep = shares > contact.rule.tolerance * (1.0 + _ROUNDING)
+    deep = shares > contact.rule.tolerance * (1.0 + ROUNDING)
     for label in np.unique(labels[deep]).tolist():
-        one, other = contact.pairs[label]
         share = float(shares[deep & (labels == label)].max())
-        yield scene.loaded.warning(
-            ("contact",),
-            f"'{one}' starts within '{other}' by {share:.0%} of their thickness: they will be thrown apart; "
-            "move one of them",
-        )
+        one, other = contact.pairs[label]
+        yield scene.loaded.warning(("contact",), starts_within(one, other, share))
