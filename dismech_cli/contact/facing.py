@@ -46,9 +46,6 @@ class Facing:
     ) -> Iterator[tuple[int, Points, IntArray]]:
         """Points of contact by kind: with triangles, sides and corners; and a pair that each belongs to.
 
-        The curvature of the energy across the gap is left out: what is taken off again would make matrices
-        indefinite (Gauss and Newton).
-
         Args:
             x: Nodes [m], shape (N, 3).
             rows: Pairs within reach, ascending, shape (K,).
@@ -58,7 +55,8 @@ class Facing:
         """
         if not len(rows):
             return
-        points = _stiff(round_points(pieces, reach, factor))
+        points = round_points(pieces, reach, factor)
+        points = _stiff(points, reach[points.item])
         item = rows[points.item]
         yield 0, replace(points, item=item), item
         full_reach, full_factor = np.zeros((2, len(self.keys)))
@@ -76,7 +74,8 @@ class Facing:
                 side_weight[side] * full_factor[own],
             )
             item = side[points.item]
-            yield 1, _stiff(replace(points, item=item)), owner[item]
+            points = _stiff(points, full_reach[owner[item]])
+            yield 1, replace(points, item=item), owner[item]
         corner = np.flatnonzero(corner_weight)
         owner = owners(j.corners_of, rows, len(j.corners))
         if len(corner):
@@ -88,7 +87,8 @@ class Facing:
                 corner_weight[corner] * full_factor[own],
             )
             item = corner[points.item]
-            yield 2, _stiff(replace(points, item=item)), owner[item]
+            points = _stiff(points, full_reach[owner[item]])
+            yield 2, replace(points, item=item), owner[item]
 
 
 def _gathered(x: FloatArray, nodes: IntArray) -> FloatArray:
@@ -96,5 +96,12 @@ def _gathered(x: FloatArray, nodes: IntArray) -> FloatArray:
     return np.ascontiguousarray(x[nodes].transpose(1, 2, 0))
 
 
-def _stiff(points: Points) -> Points:
-    return replace(points, bend=np.zeros_like(points.bend))
+def _stiff(points: Points, reach: FloatArray) -> Points:
+    """The same with the stiffness of the secant from where nothing touches, reach [m] of each point.
+
+    From deep inside a tangent overshoots to where nothing touches, and Newton's method goes to and fro. Curvature
+    across the gap is left out: what is taken off again would make matrices indefinite (Gauss and Newton).
+    """
+    distance = np.sqrt((points.gap * points.gap).sum(axis=0)) + np.finfo(float).tiny
+    along = points.along * 0.5 * (reach + distance) / distance
+    return replace(points, along=along, bend=np.zeros_like(points.bend))
