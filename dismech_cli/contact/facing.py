@@ -99,8 +99,9 @@ def _gathered(x: FloatArray, nodes: IntArray) -> FloatArray:
 def _stiff(points: Points, reach: FloatArray) -> Points:
     """The same with the stiffness of the secant from where nothing touches, reach [m] of each point.
 
-    From deep inside a tangent overshoots to where nothing touches, and Newton's method goes to and fro. Curvature
-    across the gap is left out: what is taken off again would make matrices indefinite (Gauss and Newton).
+    From deep inside a tangent overshoots to where nothing touches, and Newton's method goes to and fro.
+    Curvature across the gap is left out: what is taken off again would make matrices indefinite (Gauss and
+    Newton).
     """
     distance = np.sqrt((points.gap * points.gap).sum(axis=0)) + np.finfo(float).tiny
     along = points.along * 0.5 * (reach + distance) / distance

@@ -11,8 +11,8 @@ import numpy as np
 from ..arrays import FloatArray, IntArray
 from ..model.term import Memory
 from .advance import longest_way
-from .cores import facing_node
 from .candidates import among
+from .cores import facing_node
 from .neighbours import Neighbours, distances
 from .points import round_points
 from .search import MARGIN, Search
