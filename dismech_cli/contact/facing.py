@@ -14,6 +14,9 @@ from .pieces import Pieces
 from .points import Points, round_points
 from .surface import Junctions, owners
 
+# The secant is that of so much of the reach where a line passes through what it faces.
+_NEAR = 1e-3
+
 
 @dataclass(frozen=True, slots=True)
 class Facing:
@@ -103,6 +106,6 @@ def _stiff(points: Points, reach: FloatArray) -> Points:
     Curvature across the gap is left out: what is taken off again would make matrices indefinite (Gauss and
     Newton).
     """
-    distance = np.sqrt((points.gap * points.gap).sum(axis=0)) + np.finfo(float).tiny
+    distance = np.maximum(np.sqrt((points.gap * points.gap).sum(axis=0)), _NEAR * reach)
     along = points.along * 0.5 * (reach + distance) / distance
     return replace(points, along=along, bend=np.zeros_like(points.bend))

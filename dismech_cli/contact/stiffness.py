@@ -7,7 +7,7 @@ so that a resumed run takes the same decisions.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import inf, log
+from math import inf, log, log1p
 from typing import ClassVar, Final, Protocol
 
 import numpy as np
@@ -112,7 +112,9 @@ class Tolerant:
             power = _POWER
             factor, last = now.tried
             if now.redos and depth < last:
-                power = max(power, log(now.factor / factor) / log(last / depth))
+                power = max(power, log(now.factor / factor) / log1p((last - depth) / depth))
+            # what hardly gets shallower asks for any power
+            power = min(power, log(_MOST) / log(depth))
             raised = min(max(_MORE * depth**power, _LEAST), _MOST)
             return Hardness(now.factor * raised, 0, now.mark, now.redos + 1, (now.factor, depth))
         calm = now.calm + 1 if depth < _SHALLOW else 0

@@ -1,4 +1,4 @@
-"""Runs in which shells touch: momentum, tunnelling, what is told, and that a resumed run is the straight one."""
+"""Runs in which shells touch: momentum, tunnelling, what is told, and resuming bit by bit."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import dismech_cli
 from dismech_cli.contact.crossing import crossings
+from dismech_cli.errors import ScenarioError
 from dismech_cli.run.loop import Limits
 from dismech_cli.session.narrator import Silent
 from dismech_cli.session.pause import Pause
@@ -102,10 +103,19 @@ def test_a_rod_that_starts_through_a_sheet_is_told(tmp_path: Path) -> None:
     assert "an edge of 'low' or 'needle' passes through a triangle" in told
 
 
+def test_a_shell_whose_thickness_varies_is_refused() -> None:
+    deck = sheets(1e-3, 1.0, 1)
+    deck["geometry"][0]["thickness"] = {"expression": "0.001 + 0.001*x"}
+    with pytest.raises(ScenarioError, match="may not touch 'low' yet, whose thickness varies from"):
+        dismech_cli.simulate(deck)
+    deck["contact"]["pairs"] = [{"between": ["high", "high"]}]
+    assert dismech_cli.simulate(deck).exit == 0
+
+
 def test_a_resumed_run_is_the_straight_run(tmp_path: Path) -> None:
     """Through the raise of the stiffness and the pairs that come: stopped before, within and after."""
     file = tmp_path / "deck.yaml"
-    file.write_text(json.dumps(sheets(1e-3, 1.0, 10, contact={"friction": {"coefficient": 0.3}})))
+    file.write_text(json.dumps(sheets(1e-3, 1.0, 8)))
 
     def table(folder: Path) -> np.ndarray:
         rows = [line.split(",") for line in (folder / "scalars.csv").read_text().splitlines()]

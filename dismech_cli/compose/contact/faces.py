@@ -16,9 +16,16 @@ from ..structure.masses import nodal_mass
 from ..structure.structure import Structure
 from .pairs import body_pairs
 
+# Thickness that varies no more than this is that of a file written in single precision.
+_EVEN = 1e-6
+
 
 def make_faces(scene: Scene, structure: Structure, lines: Lines, stiffness: FloatArray) -> Faces | None:
-    """Who may touch shells; None if nothing may."""
+    """Who may touch shells; None if nothing may.
+
+    Raises:
+        ScenarioError: One of these shells is not equally thick everywhere.
+    """
     geometry = scene.geometry
     shells = np.array(geometry.shell_keys, dtype=np.int64)
     pairs = [
@@ -37,6 +44,7 @@ def make_faces(scene: Scene, structure: Structure, lines: Lines, stiffness: Floa
                 labels[a, b], friction[a, b] = pair.label, pair.friction
         if pair.first != pair.second:
             signs[pair.second, pair.first] = -1.0
+    _check_even(scene, labels)
     involved = np.flatnonzero((labels >= 0).any(axis=1))
     mass = nodal_mass(geometry, len(structure.positions), structure.payload)
     bodies = shells[geometry.triangle_shell]
@@ -63,6 +71,21 @@ def make_faces(scene: Scene, structure: Structure, lines: Lines, stiffness: Floa
     line_pairs = np.stack(np.divmod(near, len(lines.nodes)), axis=1)
     x = structure.dofs.space_positions(structure.rest)
     return with_exclusions(found, x, line_pairs, _sides(geometry, lines, bodies))
+
+
+def _check_even(scene: Scene, labels: IntArray) -> None:
+    """What a line faces is summed at one distance for all triangles of a shell."""
+    contact = scene.scenario.contact
+    path = ("contact", "pairs") if contact is not None and contact.pairs is not None else ("contact",)
+    thickness = scene.geometry.per_triangle("thickness")
+    for key, shell in zip(scene.geometry.shell_keys, scene.geometry.shells, strict=True):
+        own = thickness[scene.geometry.triangles_of(shell.name)]
+        if (labels[:, key] >= 0).any() and np.ptp(own) > _EVEN * own.max():
+            raise scene.error(
+                path,
+                f"bodies may not touch '{shell.name}' yet, whose thickness varies from {own.min():.3g} to "
+                f"{own.max():.3g} m; give it one thickness, or give `pairs` of it with obstacles only",
+            )
 
 
 def _stiffness(lines: Lines, stiffness: FloatArray, shells: IntArray) -> FloatArray:
