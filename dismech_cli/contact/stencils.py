@@ -10,6 +10,9 @@ from ..arrays import FloatArray, IntArray
 from ..kernels.linearization import Coupling, Pattern
 from ..kinematics.dofs import DofMap
 
+# So many items are summed together: what fits in the fast memory of a core.
+_TOGETHER = 256
+
 
 @dataclass(frozen=True, slots=True)
 class Stencils:
@@ -80,8 +83,19 @@ class SymmetricPlaces:
         self, item: IntArray, factors: FloatArray, vectors: FloatArray, values: FloatArray
     ) -> None:
         """Add factors (K,) times u u^T of vectors (K, n d) of points of some items to stored values."""
-        upper = (factors[:, None] * vectors)[:, self.rows] * vectors[:, self.columns]
-        np.add.at(values, self.slots[item], upper)
+        if not len(item):
+            return
+        order = np.argsort(item, kind="stable")
+        first = np.flatnonzero(np.diff(item[order], prepend=-1))
+        # points of an item are summed before they are added, few items at a time
+        for begin in range(0, len(first), _TOGETHER):
+            starts = first[begin : begin + _TOGETHER]
+            end = first[begin + _TOGETHER] if begin + _TOGETHER < len(first) else len(order)
+            some = order[starts[0] : end]
+            u = vectors[some]
+            upper = (factors[some, None] * u)[:, self.rows] * u[:, self.columns]
+            sums = np.add.reduceat(upper, starts - starts[0], axis=0)
+            np.add.at(values, self.slots[item[order[starts]]], sums)
 
 
 @dataclass(frozen=True, slots=True)
