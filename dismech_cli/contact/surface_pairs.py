@@ -31,6 +31,8 @@ _AHEAD = 4.0
 _NEAREST = 0.5
 # Pairs with places that are out of reach are kept as long as they are fewer than this share, and a few.
 _STALE, _FEW = 0.3, 10
+# A line that comes with a hair's breadth only would ask for any stiffness; no impact asks for more than this.
+_LARGEST = 1e9
 
 
 @dataclass(frozen=True, slots=True)
@@ -165,7 +167,7 @@ class SurfacePairs:
         scale = every.factor(facing.pairs)
         for _, points, owner in facing.points(x, rows, _only(pieces, inside), reach[inside], scale):
             np.add.at(held, facing.pairs[owner, 0], points.load)
-        return float((force / (np.maximum(held[lines], 0.0) + np.finfo(float).tiny)).max())
+        return float((force / np.maximum(held[lines], force / _LARGEST + np.finfo(float).tiny)).max())
 
     def longest_step(self, x0: FloatArray, x1: FloatArray, t0: float, t1: float) -> float:
         """Part of the way on which no line passes through a triangle."""
