@@ -56,9 +56,11 @@ class Work:
         self._moving = moving
         self._moves = bool(model.mass.any())
         self._resisting: list[BoundTerm] = []
+        self._damping: list[BoundTerm] = []
         if moving.size:
-            near = [term.bind(system.pattern, model.driver) for term in _near(model, roles, moving)]
-            self._resisting = [*near, *system.changing]
+            near = {t.name: t.bind(system.pattern, model.driver) for t in _near(model, roles, moving)}
+            self._damping = [near.pop(name) for name in roles.dissipative if name in near]
+            self._resisting = [*near.values(), *system.changing]
         bound = {term.name: term for term in system.terms}
         self._loads = [bound[name] for name in roles.loads]
         self._dissipative = [bound[name] for name in roles.dissipative]
@@ -67,7 +69,9 @@ class Work:
     def of_holds(self, before: Known, after: Known) -> float:
         """Of what holds and drives: against all forces by the trapezoidal rule, and on masses.
 
-        Mean forces, not forces of the mean state: there, edges that turn are shorter.
+        Mean forces, not forces of the mean state: there, edges that turn are shorter. What resists
+        velocity does so at the mean state, as in :meth:`of_forces`: where damping is stiff, velocities at
+        the ends of a step ring.
         """
         moving = self._moving
         if not moving.size:
@@ -77,6 +81,11 @@ class Work:
         work = 0.5 * float(self._model.mass[moving] @ squares)
         if path.any():
             work += 0.5 * float((self._resistance(before) + self._resistance(after)) @ path)
+            if self._damping:
+                c, moved = self._mean(before.state, after.state)
+                held = np.zeros_like(moved)
+                held[moving] = path
+                work += _against(self._damping, c, held)
         return work
 
     def of_forces(self, before: State, after: State) -> tuple[float, float, float]:
@@ -87,16 +96,12 @@ class Work:
         """
         if not self._loads and not self._dissipative and not self._friction:
             return 0.0, 0.0, 0.0
-        q, moved = 0.5 * (before.q + after.q), after.q - before.q
-        # pseudo-time has no speed
-        v = moved / (after.t - before.t) if self._moves else np.zeros_like(q)
-        frames = self._model.frames.transport(before.frames, q)
-        c = Configuration(0.5 * (before.law_time + after.law_time), q, v, frames, after.inputs)
+        c, moved = self._mean(before, after)
         rubbed = carried = 0.0
         if self._friction:
             frames = self._model.frames.transport(after.frames, after.q)
             end = Configuration(after.law_time, after.q, after.v, frames, after.inputs)
-            rubbed = (after.t - before.t) * sum(term.heat(end, v) for term in self._friction)
+            rubbed = (after.t - before.t) * sum(term.heat(end, c.v) for term in self._friction)
             carried = rubbed - _against(self._friction, end, moved)
         return carried - _against(self._loads, c, moved), _against(self._dissipative, c, moved), rubbed
 
@@ -119,6 +124,15 @@ class Work:
             return 0.0
         dt = after.state.t - before.state.t
         return 0.5 * dt * (_power(terms, before, dt) + _power(terms, after, dt))
+
+    def _mean(self, before: State, after: State) -> tuple[Configuration, FloatArray]:
+        """The mean state of a step, moving as straight and evenly as the step goes, and the way gone."""
+        q, moved = 0.5 * (before.q + after.q), after.q - before.q
+        # pseudo-time has no speed
+        v = moved / (after.t - before.t) if self._moves else np.zeros_like(q)
+        frames = self._model.frames.transport(before.frames, q)
+        c = Configuration(0.5 * (before.law_time + after.law_time), q, v, frames, after.inputs)
+        return c, moved
 
     def _resistance(self, known: Known) -> FloatArray:
         """Residual on the moving DOFs."""

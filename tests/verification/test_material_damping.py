@@ -255,3 +255,22 @@ def test_what_damping_takes_is_booked(tmp_path: Path) -> None:
     assert (np.diff(lost) >= 0.0).all()
     assert lost[-1] > 0.25 * np.abs(scalar(result, "gravitational")).max()
     assert np.abs(error).max() < 2e-3 * lost[-1]
+
+
+@pytest.mark.parametrize("integrator", ["implicit_midpoint", "generalized_alpha", "tr_bdf2"])
+def test_work_of_what_drives_a_damped_rod_is_booked(tmp_path: Path, integrator: str) -> None:
+    """Where damping is stiff, velocities at the ends of a step ring; the account must not."""
+    lift = {"expression": "0.05*smoothstep(t/0.08)"}
+    deck = rod_deck(
+        line(11, (0.2, 0.0, 0.0)),
+        {"type": "round", "radius": 3e-3},
+        materials=material(0.01),
+        motions=[{"type": "clamp", "where": "rod.start", "at": "edge", "displacement": [0.0, 0.0, lift]}],
+        numerics={"integrator": {"type": integrator}, "dt": 5e-3, "t_end": 0.1},
+    )
+    report = solve(tmp_path, deck)
+    assert report.warnings == ()
+    # second order in the step over the duration of the lift: (5 / 80)^2 times a number of order ten
+    given = report.scalars["external_work"][-1]
+    assert given > 0.0
+    assert abs(report.scalars["error"][-1]) < 0.04 * given
