@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from decks import STATIC, Deck, line, rod_deck
 from numpy.testing import assert_allclose, assert_array_equal
-from shell_decks import SHEET, rod, shell_deck
+from shell_decks import DOWN, EULER, SHEET, rod, shell_deck
 
 from dismech_cli import load
 from dismech_cli.compose.compose import Composition, compose
@@ -18,6 +18,7 @@ from dismech_cli.compose.shells.topology import find_shell_edges
 from dismech_cli.compose.structure.plan import Bending
 from dismech_cli.errors import ScenarioError
 from dismech_cli.model.rate import ViscousStress
+from dismech_cli.session.simulate import simulate
 
 TIMED: Deck = {"integrator": {"type": "implicit_euler"}, "dt": 0.01, "t_end": 0.02}
 ROUND: Deck = {"type": "round", "radius": 1e-2}
@@ -165,3 +166,22 @@ def test_sheets_that_meet_damp_each_on_its_side(
     turns = np.eye(len(faces)) - k / k.sum()
     assert_allclose(form, turns.T @ np.diag(tau * k) @ turns, rtol=0, atol=1e-12 * k.max())
     assert len(faces) == 3
+
+
+@pytest.mark.parametrize("bending", ["midedge", "hinge"])
+def test_two_welded_halves_damp_as_one_sheet(bending: str) -> None:
+    right = SHEET | {"pattern": "right", "divisions": 4}
+    half = right | {"length": 0.15, "divisions": 2}
+    one = shell_deck(right, body={"bending": bending})
+    one["materials"]["rubber"]["relaxation_time"] = "20 ms"
+    held = {"type": "clamp", "where": {"box": {"min": [-1, -1, -1], "max": [0.08, 1, 1]}}}
+    one |= {"motions": [held], "forces": [DOWN], "numerics": EULER | {"newton": {"tolerance": 1e-10}}}
+    shells = [
+        one["geometry"][0] | {"name": name, "generate": half | {"origin": [x, 0.0, 0.0]}}
+        for name, x in (("a", 0.0), ("b", 0.15))
+    ]
+    seam = {"type": "seam", "shells": ["a", "b"], "bending": "weld"}
+    whole, halves = (simulate(deck) for deck in (one, one | {"geometry": shells, "joints": [seam]}))
+    assert whole.scalars["dissipation"][-1] > 0.0
+    for name in ("elastic", "kinetic", "dissipation"):
+        assert_allclose(halves.scalars[name][-1], whole.scalars[name][-1], rtol=1e-8)
