@@ -118,17 +118,16 @@ class ShellFrames:
     def turned_to_faces(self, state: FrameState, q: FloatArray) -> FloatArray:
         """Normals halfway between the faces of each edge at ``q``, shape (3, B).
 
-        Edges that share a normal turn together, as the first of them does, and keep their angles.
+        Edges that share a normal turn together, as they do in the mean, and keep their angles.
         """
         faces = self.mean_normals(q)
-        _, first, inverse, counts = np.unique(
-            self.angles, return_index=True, return_inverse=True, return_counts=True
-        )
+        _, inverse, counts = np.unique(self.angles, return_inverse=True, return_counts=True)
         shared = counts[inverse] > 1
         if not shared.any():
             return faces
         tangent, stored = state.edge_tangent, state.edge_normal
-        turn = signed_angle(stored, faces, tangent)[first[inverse]]
+        mean = np.bincount(inverse, signed_angle(stored, faces, tangent)) / counts
+        turn = mean[inverse]
         turned = np.cos(turn) * stored + np.sin(turn) * np.cross(tangent.T, stored.T).T
         return np.where(shared, turned, faces)
 

@@ -168,8 +168,9 @@ def test_sheets_that_meet_damp_each_on_its_side(
     assert len(faces) == 3
 
 
+@pytest.mark.parametrize("displaced", [False, True])
 @pytest.mark.parametrize("bending", ["midedge", "hinge"])
-def test_two_welded_halves_damp_as_one_sheet(bending: str) -> None:
+def test_two_welded_halves_damp_as_one_sheet(bending: str, displaced: bool) -> None:
     right = SHEET | {"pattern": "right", "divisions": 4}
     half = right | {"length": 0.15, "divisions": 2}
     one = shell_deck(right, body={"bending": bending})
@@ -180,8 +181,15 @@ def test_two_welded_halves_damp_as_one_sheet(bending: str) -> None:
         one["geometry"][0] | {"name": name, "generate": half | {"origin": [x, 0.0, 0.0]}}
         for name, x in (("a", 0.0), ("b", 0.15))
     ]
-    seam = {"type": "seam", "shells": ["a", "b"], "bending": "weld"}
-    whole, halves = (simulate(deck) for deck in (one, one | {"geometry": shells, "joints": [seam]}))
+    two = one | {
+        "geometry": shells,
+        "joints": [{"type": "seam", "shells": ["a", "b"], "bending": "weld"}],
+    }
+    if displaced:
+        bent = [0.0, 0.0, {"expression": "max(x - 0.08, 0)**2"}]
+        for deck, names in ((one, ["sheet"]), (two, ["a", "b"])):
+            deck["initial"] = {"displacements": [{"where": n, "displacement": bent} for n in names]}
+    whole, halves = simulate(one), simulate(two)
     assert whole.scalars["dissipation"][-1] > 0.0
     for name in ("elastic", "kinetic", "dissipation"):
         assert_allclose(halves.scalars[name][-1], whole.scalars[name][-1], rtol=1e-8)
