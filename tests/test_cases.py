@@ -72,6 +72,13 @@ ELSEWHERE = {
         "test_it_finishes_without_energy_from_nowhere",
     ),
     "kirigami slit": ("mesh/test_validate.py", "test_nodes_are_told_apart_where_their_projections_coincide"),
+    "t fin": ("compose/test_seams.py", "test_a_welded_fin_turns_as_the_frame_of_beams_does"),
+    "joint beside shell": ("compose/test_joints.py", "test_a_rigid_joint_counts_beside_a_shell"),
+    "actuation skips welds": ("verification/test_welds.py", "test_two_halves_are_one_rod"),
+    "hinged crossing counts as curved": (
+        "compose/test_joints.py",
+        "test_a_hinged_crossing_of_straight_rods_is_not_curved",
+    ),
     "straight column never buckles": ("run/test_unstable.py", "test_a_straight_column_beyond_eulers_load"),
     "large stretch": ("run/test_validity.py", "test_a_membrane_out_of_its_strains"),
     "resume cannot go on": (

@@ -53,9 +53,7 @@ class Clamp(Spec):
         default=None,
         description=_ROTATIONS + " Held edges turn with them, sections and normals of shells too.",
     )
-    twist: AngleLaw | None = Field(
-        default=None, description="AxisRotation about the rod, before `rotations`."
-    )
+    twist: AngleLaw | None = Field(default=None, description="Rotation about the rod, before `rotations`.")
     release: Time | None = Field(default=None, description="Time at which it lets go; default: never.")
 
 
@@ -84,7 +82,7 @@ class Twist(Spec):
 
     type: Literal["twist"] = Field(description="Kind of motion.")
     where: SelectedEdges = Field(description="Edges: the end of a rod, or some of its edges.")
-    angle: AngleLaw = Field(description="AxisRotation from rest.")
+    angle: AngleLaw = Field(description="Rotation from rest.")
     release: Time | None = Field(default=None, description="Time at which it lets go; default: never.")
 
 
