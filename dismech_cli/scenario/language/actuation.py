@@ -58,7 +58,7 @@ class Tangential(Spec):
 
 
 class DihedralActuation(Spec):
-    """Adds to the natural dihedral angle of hinges: the edges between two triangles of a shell, seams not among them."""
+    """Adds to the natural dihedral angle of hinges: the edges between two triangles of a shell, not seams."""
 
     type: Literal["dihedral"] = Field(description="Kind of strain.")
     shell: Name = Field(description="Name of the shell.")
