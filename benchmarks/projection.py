@@ -56,7 +56,7 @@ def ride(simulation: Simulation, dt: float, steps: int) -> Ride:
             break
     spent = time.process_time() - start
     static = not simulation.model.mass.any()
-    return Ride(iterations, spent, end, str(stepper.negative_eigenvalues(state)) if static else "")
+    return Ride(iterations, spent, end, str(stepper.stability.negative_eigenvalues(state)) if static else "")
 
 
 def report(quick: bool) -> str:

@@ -178,7 +178,7 @@ def _balance(course: Course) -> tuple[str, ...]:
     model = course.simulation.model
     if not model.mass.any():
         told = UNSTABLE if course.state.load is None else UNSTABLE_ON_PATH
-        return (told,) if course.stepper.unstable(course.state) else ()
+        return (told,) if course.stepper.stability.unstable(course.state) else ()
     entries = course.account.measure(course.state)
     share = course.account.growth(entries, course.control.t_end)
     return (describe_growth(course.simulation, entries["error"], share),) if share > _GROWTH else ()

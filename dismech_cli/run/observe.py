@@ -101,11 +101,11 @@ class Observer:
     def _count_negative(self, state: State) -> float:
         """The run goes on where the tangent has no inertia: it is the probe that has no value."""
         try:
-            return float(self._stepper.negative_eigenvalues(state))
+            return float(self._stepper.stability.negative_eigenvalues(state))
         except FactorizationError as error:
             if not self._singular:
                 self._singular = True
-                self._tell_singular((state.t, self._stepper.softest(state), error))
+                self._tell_singular((state.t, self._stepper.stability.softest(state), error))
             return float("nan")
 
     def _stencil_energies(self, name: str, state: State) -> FloatArray:

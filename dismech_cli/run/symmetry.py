@@ -64,7 +64,7 @@ class Symmetry:
             return
         self._next = state.t + t_end / _LOOKS
         before, self.found = self.found, None
-        if not system.pattern.symmetric or not self._stepper.unstable(state):
+        if not system.pattern.symmetric or not self._stepper.stability.unstable(state):
             return
         with np.errstate(all="ignore"):
             try:
@@ -87,8 +87,8 @@ class Symmetry:
         stepper, system = self._stepper, self._stepper.system
         mass = system.model.mass[system.pattern.free]
         mass = np.where(mass > 0.0, mass, 1e-6 * np.median(mass[mass > 0.0]))
-        count = stepper.negative_eigenvalues(state) + _MORE
-        values = stepper.stiffness(state)
+        count = stepper.stability.negative_eigenvalues(state) + _MORE
+        values = stepper.stability.stiffness(state)
         sizes, vectors = softest_modes(system.pattern, system.solver, values, mass, count)
         return sizes, vectors, mass
 

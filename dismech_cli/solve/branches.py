@@ -39,6 +39,6 @@ def _negative(stepper: Stepper, state: State) -> float:
     if not stepper.system.pattern.symmetric:
         return float("nan")
     try:
-        return float(stepper.negative_eigenvalues(state))
+        return float(stepper.stability.negative_eigenvalues(state))
     except FactorizationError:
         return float("nan")

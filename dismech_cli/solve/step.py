@@ -13,14 +13,12 @@ from ..kinematics.motion import Since, held_dofs, held_span
 from ..model.model import Model
 from ..model.state import State
 from .accelerations import LENGTH, balanced, rescaled, rubbed
-from .integrators import Integrator, Stage, at_state, mean_acceleration
-from .linear.factors import FactorizationError
-from .linear.stability import CountNegative, negative_eigenvalues_on
+from .integrators import Integrator, Stage, mean_acceleration
 from .newton import solve_stage
-from .pattern import SparsityPattern
 from .predictor import Predictor
 from .problem import NewtonSettings, StageProblem
 from .result import NewtonResult
+from .stability import Stability
 from .status import Status
 from .system import System
 
@@ -62,6 +60,7 @@ class _Binding:
         held: DOFs that follow a motion.
         led: Those and the massless ones.
         system: The bound model.
+        stability: Of its states.
     """
 
     since: float
@@ -69,6 +68,7 @@ class _Binding:
     held: IntArray
     led: IntArray
     system: System
+    stability: Stability
 
 
 Solve: TypeAlias = Callable[[StageProblem, FloatArray], NewtonResult]
@@ -112,13 +112,17 @@ class Stepper:
         self._massless = (model.mass == 0.0) & self._moves
         self._advance = through_stages if advance is None else advance
         self._analyses = 0
-        self._count_negative: tuple[SparsityPattern, CountNegative] | None = None
         self._binding = self._bound(0.0)
 
     @property
     def system(self) -> System:
         """The model bound to the DOFs that are free now."""
         return self._binding.system
+
+    @property
+    def stability(self) -> Stability:
+        """Of states, with the DOFs that are free now."""
+        return self._binding.stability
 
     @property
     def analyses(self) -> int:
@@ -192,42 +196,13 @@ class Stepper:
         kept = {**result.state.memory, **memory, LENGTH: np.array([dt])}
         return replace(result, state=replace(result.state, memory=kept), iterations=spent, put_in=put_in)
 
-    def unstable(self, state: State) -> bool:
-        """Whether the stiffness matrix at a state is known to have a negative eigenvalue."""
-        try:
-            return self.system.solver.factorize(self.stiffness(state)).indefinite
-        except FactorizationError:  # a mechanism, which has its own messages
-            return False
-
-    def negative_eigenvalues(self, state: State) -> int:
-        """Negative eigenvalues of the stiffness matrix at a state.
-
-        Raises:
-            FactorizationError: The matrix is singular or not finite.
-        """
-        values = self.stiffness(state)
-        pattern = self.system.pattern
-        # few scenes ask, and MKL takes long to load
-        if self._count_negative is None or self._count_negative[0] is not pattern:
-            self._count_negative = pattern, negative_eigenvalues_on(pattern)
-        return self._count_negative[1](values)
-
-    def softest(self, state: State) -> int:
-        """The free DOF whose own stiffness is not finite, or else nearest to none, at a static state."""
-        pattern = self.system.pattern
-        stiffness = np.abs(self.stiffness(state)[pattern.diagonal])
-        return int(pattern.free[np.argmin(np.where(np.isfinite(stiffness), stiffness, -1.0))])
-
-    def stiffness(self, state: State) -> FloatArray:
-        """Stored entries of the stiffness matrix, shape (slots,)."""
-        return self.system.linearize(at_state(state), state.q, state.frames).values.copy()
-
     def _bound(self, t: float) -> _Binding:
         motions = self.model.motions
         since, until = held_span(motions, t)
         held = held_dofs(motions, self.model.dofs.n, t)
         system = System(self.model, ~held, self._wanted)
-        return _Binding(since, until, np.flatnonzero(held), np.flatnonzero(held | self._massless), system)
+        led = np.flatnonzero(held | self._massless)
+        return _Binding(since, until, np.flatnonzero(held), led, system, Stability(system))
 
     @property
     def held(self) -> IntArray:

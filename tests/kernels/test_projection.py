@@ -105,10 +105,10 @@ def pushed(simulation: Simulation) -> tuple[StepResult, Stepper]:
 def test_newton_leaves_the_unstable_branch_only_if_projected() -> None:
     flat, stepper = pushed(strip("none"))
     assert flat.status is Status.CONVERGED
-    assert stepper.negative_eigenvalues(flat.state) > 0
+    assert stepper.stability.negative_eigenvalues(flat.state) > 0
     bent, stepper = pushed(strip("indefinite"))
     assert bent.status is Status.CONVERGED
-    assert stepper.negative_eigenvalues(bent.state) == 0
+    assert stepper.stability.negative_eigenvalues(bent.state) == 0
     z = [r.state.q[2 : stepper.model.dofs.n_positions : 3] for r in (flat, bent)]
     assert np.abs(z[0]).max() < 1e-6
     assert z[1].min() < -8e-3

@@ -151,7 +151,7 @@ def test_unstable_equilibrium_is_counted() -> None:
         )
         step = stepper.step(stepper.prepare(stepper.rest_state()), 1.0)
         assert step.status is Status.CONVERGED
-        assert stepper.negative_eigenvalues(step.state) == modes
+        assert stepper.stability.negative_eigenvalues(step.state) == modes
 
 
 @pytest.mark.skipif(not pardiso_available(), reason="no MKL")
@@ -172,10 +172,10 @@ def test_pattern_is_analysed_once_for_all_counts(monkeypatch: pytest.MonkeyPatch
     state = stepper.prepare(stepper.rest_state())
     for _ in range(3):
         state = stepper.step(state, 0.1).state
-        assert stepper.negative_eigenvalues(state) == 0
+        assert stepper.stability.negative_eigenvalues(state) == 0
     assert len(analysed) == 1
     state = stepper.prepare(replace(state, t=1.0))
-    assert stepper.negative_eigenvalues(state) == 0
+    assert stepper.stability.negative_eigenvalues(state) == 0
     assert len(analysed) == 2
 
 
