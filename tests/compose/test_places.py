@@ -169,5 +169,6 @@ def test_every_field_of_selections_says_what_they_find() -> None:
     assert len(marked) >= 20
     assert {key for key, finds in marked.items() if finds is Selects.EDGES} == {
         ("Twist", "where"),
+        ("TurnProbe", "turn"),
         ("TwistProbe", "twist"),
     }

@@ -22,13 +22,14 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 
 NURSERY = """
-import json, os, resource, sys
+import json, os, resource, signal, sys
 import h5py
 import dismech_cli.output.writers, dismech_cli.session.start, dismech_cli.session.resume
 from dismech_cli.cli.app import main
 
 def become(job):
     os.setsid()
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)  # which tests under nohup would ignore
     for number, name, flags in (
         (0, os.devnull, os.O_RDONLY),
         (1, job["stdout"], os.O_WRONLY | os.O_CREAT | os.O_APPEND),
