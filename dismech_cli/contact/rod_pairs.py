@@ -14,6 +14,7 @@ from .advance import longest_way
 from .candidates import among
 from .cores import facing_node
 from .neighbours import Neighbours, distances
+from .placed import Placed
 from .points import round_points
 from .search import MARGIN, Search
 from .source import Depths
@@ -25,8 +26,6 @@ PAIRS: Final = "contact.pairs"
 
 # Motion within a step may bring lines to half the distance at which they touch, or half as near as they are.
 _NEAREST = 0.5
-# Pairs with places that are out of reach are kept as long as they are fewer than this share, and a few.
-_STALE, _FEW = 0.3, 10
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,38 +70,29 @@ class RodPairs:
     def __init__(self, neighbours: Neighbours) -> None:
         self._all = neighbours
         self._search = Search(neighbours)
-        self._listed = np.empty(0, dtype=np.int64)
-        self._changed = True
-        self._list(self._listed)
+        self._placed = Placed(PAIRS, self._lay_out)
 
     def recall(self, memory: Memory) -> None:
         """Take up the pairs that have places."""
-        listed = memory.get(PAIRS, np.empty(0)).astype(np.int64)
-        if not np.array_equal(listed, self._listed):
-            self._list(listed)
+        self._placed.recall(memory)
 
     def memory(self, x: FloatArray) -> Memory:
         """The pairs that have places; if too many of them are far apart, those that are near."""
-        near = self._search.within(x, MARGIN)
-        many = len(self._listed) > (1.0 + _STALE) * len(near) + _FEW
-        return {PAIRS: (near if many else self._listed).astype(np.float64)}
+        return self._placed.memory(self._search.within(x, MARGIN))
 
     def detect(self, x: FloatArray) -> bool:
         """Give places to all pairs nearby if one that touches has none."""
-        if not among(self._search.within(x, 0.0), self._listed).all():
-            self._list(np.union1d(self._search.within(x, MARGIN), self._listed))
-        changed, self._changed = self._changed, False
-        return changed
+        return self._placed.detect(self._search.within(x, 0.0), lambda: self._search.within(x, MARGIN))
 
     def touching(self, x: FloatArray, v: FloatArray, t: float, factor: float) -> Iterator[Touching]:
         """Lines against segments, and what the vertices between these count too much."""
-        keys = self._search.within(x, 0.0)
-        active = np.flatnonzero(among(self._listed, keys))
+        placed = self._placed.keys
+        active = np.flatnonzero(among(placed, self._search.within(x, 0.0)))
         if not len(active):
             return
-        rows, count = self._rows, len(self._listed)
+        rows, count = self._rows, len(placed)
         both = np.concatenate((active, active + count))
-        reach = np.tile(self._all.reach(self._all.pairs(self._listed[active])), 2)
+        reach = np.tile(self._all.reach(self._all.pairs(placed[active])), 2)
         stiff = self._all.factors(rows.directed[both])
         yield self._touching(0, both, rows.segments, rows.directed[both], reach, factor * stiff, x, v)
         met = rows.meeting[both].reshape(-1)
@@ -182,8 +172,8 @@ class RodPairs:
 
         return longest_way(gap_at, speed, _NEAREST * every.reach(pairs))
 
-    def _list(self, keys: IntArray) -> None:
-        self._listed, self._changed = keys, True
+    def _lay_out(self, keys: IntArray) -> None:
+        """What pairs with these keys touch with."""
         every = self._all
         self._rows = Rows.of(every.lines.nodes, every.pairs(keys))
         self._stencils = (Stencils(every.map, self._rows.segments), Stencils(every.map, self._rows.corners))

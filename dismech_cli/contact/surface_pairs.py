@@ -15,6 +15,7 @@ from .candidates import among
 from .faces import Faces
 from .facing import Facing
 from .pieces import Pieces
+from .placed import Placed
 from .source import Depths
 from .stencils import Stencils
 from .stiffness import impact_force
@@ -29,8 +30,6 @@ _SKIN, _MARGIN = 0.5, 0.1
 _AHEAD = 4.0
 # Motion within a step may bring lines to half the distance at which they touch, or half as near as they are.
 _NEAREST = 0.5
-# Pairs with places that are out of reach are kept as long as they are fewer than this share, and a few.
-_STALE, _FEW = 0.3, 10
 # A line that comes with a hair's breadth only would ask for any stiffness; no impact asks for more than this.
 _LARGEST = 1e9
 
@@ -73,28 +72,20 @@ class SurfacePairs:
         )
         self._used = np.union1d(faces.lines.nodes[faces.numbers], faces.surface.nodes)
         self._seen: _Seen | None = None
-        self._changed = True
-        self._list(np.empty(0, dtype=np.int64))
+        self._placed = Placed(LISTED, self._lay_out)
 
     def recall(self, memory: Memory) -> None:
         """Take up the pairs that have places."""
-        listed = memory.get(LISTED, np.empty(0)).astype(np.int64)
-        if not np.array_equal(listed, self._facing.keys):
-            self._list(listed)
+        self._placed.recall(memory)
 
     def memory(self, x: FloatArray) -> Memory:
         """The pairs that have places; if too many of them are far apart, those that are near."""
-        near, listed = self._look(x).within(_MARGIN), self._facing.keys
-        many = len(listed) > (1.0 + _STALE) * len(near) + _FEW
-        return {LISTED: (near if many else listed).astype(np.float64)}
+        return self._placed.memory(self._look(x).within(_MARGIN))
 
     def detect(self, x: FloatArray) -> bool:
         """Give places to all pairs nearby if one that touches has none."""
         seen = self._look(x)
-        if not among(seen.within(0.0), self._facing.keys).all():
-            self._list(np.union1d(seen.within(_MARGIN), self._facing.keys))
-        changed, self._changed = self._changed, False
-        return changed
+        return self._placed.detect(seen.within(0.0), lambda: seen.within(_MARGIN))
 
     def touching(self, x: FloatArray, v: FloatArray, t: float, factor: float) -> Iterator[Touching]:
         """Lines against triangles, and what sides and corners of these count too much."""
@@ -230,8 +221,9 @@ class SurfacePairs:
         assert self._searched is not None
         return _farthest((x - self._searched)[self._used])
 
-    def _list(self, keys: IntArray) -> None:
-        self._facing, self._changed = Facing.of(self._all, keys), True
+    def _lay_out(self, keys: IntArray) -> None:
+        """What pairs with these keys touch with."""
+        self._facing = Facing.of(self._all, keys)
         junctions = self._facing.junctions
         kinds = (self._facing.nodes, junctions.sides, junctions.corners)
         self._stencils = tuple(Stencils(self._all.map, nodes) for nodes in kinds)

@@ -14,7 +14,7 @@ from ..bodies.geometry import Geometry
 from ..scene import Scene
 from ..structure.masses import nodal_mass
 from ..structure.structure import Structure
-from .pairs import body_pairs
+from .pairs import Tables, body_pairs
 
 # Thickness that varies no more than this is that of a file written in single precision.
 _EVEN = 1e-6
@@ -35,17 +35,9 @@ def make_faces(scene: Scene, structure: Structure, lines: Lines, stiffness: Floa
     ]
     if not pairs:
         return None
-    count = len(lines.names)
-    labels = np.full((count, count), -1, dtype=np.int64)
-    signs, friction = np.ones((count, count)), np.zeros((count, count))
-    for pair in pairs:
-        for a, b in ((pair.first, pair.second), (pair.second, pair.first)):
-            if b in geometry.shell_keys:
-                labels[a, b], friction[a, b] = pair.label, pair.friction
-        if pair.first != pair.second:
-            signs[pair.second, pair.first] = -1.0
-    _check_even(scene, labels)
-    involved = np.flatnonzero((labels >= 0).any(axis=1))
+    tables = Tables.of(len(lines.names), pairs, geometry.shell_keys)
+    _check_even(scene, tables.labels)
+    involved = np.flatnonzero((tables.labels >= 0).any(axis=1))
     mass = nodal_mass(geometry, len(structure.positions), structure.payload)
     bodies = shells[geometry.triangle_shell]
     found = Faces(
@@ -60,9 +52,9 @@ def make_faces(scene: Scene, structure: Structure, lines: Lines, stiffness: Floa
         # nodes of a shell are shared by the lines of all directions
         masses=np.where(np.isin(lines.bodies, shells), 0.5, 1.0) * lines.masses,
         stiffness=_stiffness(lines, stiffness, shells),
-        labels=labels,
-        signs=signs,
-        friction=friction,
+        labels=tables.labels,
+        signs=tables.signs,
+        friction=tables.friction,
         excluded=np.empty(0, dtype=np.int64),
         own_reach=np.full(len(lines.nodes), np.inf),
         map=structure.dofs,

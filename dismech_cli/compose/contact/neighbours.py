@@ -12,7 +12,7 @@ from ...contact.lines import Lines
 from ...contact.neighbours import Neighbours
 from ..scene import Scene
 from ..structure.structure import Structure
-from .pairs import body_pairs
+from .pairs import Tables, body_pairs
 
 # Lines of one body that are nearer at rest than they are thick touch from this share of that distance on.
 _TIGHT = 0.999
@@ -28,23 +28,16 @@ def make_neighbours(
     ]
     if not pairs:
         return None
-    count = len(lines.names)
-    labels = np.full((count, count), -1, dtype=np.int64)
-    signs, friction = np.ones((count, count)), np.zeros((count, count))
-    for pair in pairs:
-        for a, b in ((pair.first, pair.second), (pair.second, pair.first)):
-            labels[a, b], friction[a, b] = pair.label, pair.friction
-        if pair.first != pair.second:
-            signs[pair.second, pair.first] = -1.0
-    involved = np.flatnonzero((labels >= 0).any(axis=1))
+    tables = Tables.of(len(lines.names), pairs, range(len(lines.names)))
+    involved = np.flatnonzero((tables.labels >= 0).any(axis=1))
     nothing = np.empty(0, dtype=np.int64)
     found = Neighbours(
         lines=lines,
         numbers=np.flatnonzero(np.isin(lines.bodies, involved)),
         stiffness=stiffness,
-        labels=labels,
-        signs=signs,
-        friction=friction,
+        labels=tables.labels,
+        signs=tables.signs,
+        friction=tables.friction,
         excluded=near_along(lines.nodes, lines.lengths, lines.radii, structure.dofs.n_nodes),
         tight=nothing,
         tight_reach=np.empty(0),

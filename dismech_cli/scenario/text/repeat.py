@@ -6,12 +6,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Final
 
-from ...quantities import QuantityError, parse_quantity
-from ...units import KINDS
+from ...quantities import QuantityError
 from ...words import hint, listed
 from .problems import Problem, ProblemsError
 from .tree import KeyPath, Node, describe, point, told
-from .turning import Move, Triple, no_move, triple, turn_by, turn_of_full
+from .turning import Move, Triple, no_move, number_of, triple, turn_by, turn_of_full
 
 KEY: Final = "repeat"
 MAX_COPIES: Final = 10_000
@@ -142,19 +141,10 @@ def _three(node: Node, path: KeyPath, kind: str) -> Triple:
 
 
 def _number(node: Node, path: KeyPath, kind: str) -> float:
-    match node.value:
-        case bool():
-            pass
-        case int() | float() as number:
-            return float(number)
-        case str() as text:
-            try:
-                return parse_quantity(text, KINDS[kind])
-            except QuantityError as error:
-                raise _problem(node, path, str(error)) from None
-        case _:
-            pass
-    raise _problem(node, path, f"expected {KINDS[kind].phrase}, got {describe(node.value)}")
+    try:
+        return number_of(node, kind)
+    except QuantityError as error:
+        raise _problem(node, path, str(error)) from None
 
 
 def _known(node: Node, path: KeyPath, schema: Mapping[str, object]) -> None:

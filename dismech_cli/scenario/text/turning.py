@@ -97,11 +97,16 @@ def triple(node: Node, kind: str) -> Triple:
     """
     if not isinstance(node.value, tuple) or len(node.value) != 3:
         raise QuantityError(f"expected a list of 3, got {describe(node.value)}")
-    x, y, z = (_number(item, kind) for item in node.value)
+    x, y, z = (number_of(item, kind) for item in node.value)
     return x, y, z
 
 
-def _number(node: Node, kind: str) -> float:
+def number_of(node: Node, kind: str) -> float:
+    """A number or a quantity in SI units.
+
+    Raises:
+        QuantityError: It is none.
+    """
     match node.value:
         case bool():
             pass
