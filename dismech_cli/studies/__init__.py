@@ -1,0 +1,1 @@
+"""Many sessions, compared: sweeps, studies, gradients, calibrations and reports of runs."""
