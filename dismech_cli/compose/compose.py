@@ -20,6 +20,7 @@ from .imperfection import NO_DEVIATION, Deviation, find_deviation
 from .initial.signature import signature
 from .initial.start import make_start
 from .loads.table import Forces, make_forces
+from .nets import net_decisions
 from .numerics import build_integrator, build_newton, check_linear_solver, follows_path, times
 from .observables.fields import make_fields, make_topology
 from .observables.labels import node_labels
@@ -108,7 +109,11 @@ def compose(
         checks=(*make_checks(scene, structure, elastic.rods), *changing.checks),
         structure=signature(scene.geometry, structure),
     )
-    plan = replace(plan, warnings=(*plan.warnings, *changing.warnings))
+    plan = replace(
+        plan,
+        decisions=(*plan.decisions, *net_decisions(scene, model)),
+        warnings=(*plan.warnings, *changing.warnings),
+    )
     return Composition(simulation, plan, scene.geometry, start.kept)
 
 

@@ -9,7 +9,11 @@ from typing import TypeAlias
 
 import numpy as np
 
+from ..model.state import State
 from ..solve.integrators import INTEGRATORS, Integrator, Static
+from ..solve.path import PathFollower
+from ..solve.problem import exact
+from ..solve.relax import relaxed
 from ..solve.status import Status
 from ..solve.step import StepResult, through_stages
 from .observables.snapshot import Snapshot
@@ -45,14 +49,36 @@ _STATIC_ADVICE: Mapping[Status, str] = {
     ),
 }
 _STATIC_CUT_ADVICE: Mapping[Status, str] = {
+    Status.MAX_ITERATIONS: "the next equilibrium is far away: raise numerics.newton.max_iterations",
+    Status.LINE_SEARCH_FAILED: _STATIC_ADVICE[Status.LINE_SEARCH_FAILED],
+}
+# A path finds its own steps, up to the largest.
+_SMALLER = "let steps be smaller from the start: numerics.integrator.path.first and largest"
+_PATH_ADVICE: Mapping[Status, str] = {
+    **dict.fromkeys(
+        (Status.MAX_ITERATIONS, Status.LINE_SEARCH_FAILED, Status.TURNED, Status.BRANCHED), _SMALLER
+    ),
+    Status.NOT_FINITE: f"an edge folded back on itself or collapsed: {_SMALLER}",
+    Status.FACTORIZATION_FAILED: (
+        "the stiffness is singular where the path stands: a part is free to move without resistance, or a "
+        "bifurcation is met head-on, which a small imperfection avoids"
+    ),
+}
+_BREAKS_OFF = (
+    "the path breaks off here: look at what is crushed, locks or comes to touch, and at the loads and "
+    "motions as functions of the load factor"
+)
+_PATH_CUT_ADVICE: Mapping[Status, str] = {
     Status.TURNED: (
         "the path of equilibria has a corner or ends here: look at what locks, folds or comes to touch"
     ),
     Status.BRANCHED: (
         "another branch leaves the path at once: give the robot a small imperfection, which chooses one"
     ),
-    Status.MAX_ITERATIONS: "the next equilibrium is far away: raise numerics.newton.max_iterations",
-    Status.LINE_SEARCH_FAILED: _STATIC_ADVICE[Status.LINE_SEARCH_FAILED],
+    Status.MAX_ITERATIONS: _BREAKS_OFF,
+    Status.LINE_SEARCH_FAILED: _BREAKS_OFF,
+    Status.NOT_FINITE: "an edge there folded back on itself or collapsed: look at what acts on it",
+    Status.FACTORIZATION_FAILED: _PATH_ADVICE[Status.FACTORIZATION_FAILED],
 }
 # Failures of Newton's method that damped motion to rest does not share, and how to ask for it.
 _RELAXED_AWAY = (Status.MAX_ITERATIONS, Status.LINE_SEARCH_FAILED)
@@ -96,12 +122,8 @@ def describe_failure(simulation: Simulation, last: Sequence[Attempt], *, cut: bo
     ]
     if cut:
         lines.append(f"  tried: halving the step down to {t - start:.3g}{unit} did not help")
-    own = {
-        **(_CUT_ADVICE if cut else {}),
-        **((_STATIC_CUT_ADVICE if cut else _STATIC_ADVICE) if static else {}),
-    }
     remedy = ""
-    advice = own.get(result.status, result.status.advice)
+    advice = _advice(simulation, result.status, cut=cut)
     if static and result.status in _RELAXED_AWAY and simulation.advance is through_stages:
         advice += "; or let the robot move to rest, which nets, thin shells and slack strings need: " + _RELAX
         remedy = _RELAX
@@ -109,6 +131,17 @@ def describe_failure(simulation: Simulation, last: Sequence[Attempt], *, cut: bo
     if not static:
         remedy = _stronger(simulation) if cut else _shorter(t - start)
     return Failure("\n".join(lines), remedy)
+
+
+def _advice(simulation: Simulation, status: Status, *, cut: bool) -> str:
+    """What to do about a failed solve that has not been tried, and that applies."""
+    tables: list[Mapping[Status, str]] = [_CUT_ADVICE] if cut else []
+    if isinstance(simulation.integrator, Static):
+        tables.append(_STATIC_CUT_ADVICE if cut else _STATIC_ADVICE)
+    if isinstance(simulation.advance, PathFollower):
+        tables.append(_PATH_CUT_ADVICE if cut else _PATH_ADVICE)
+    found = [table[status] for table in tables if status in table]
+    return found[-1] if found else status.advice
 
 
 def describe_runaway(simulation: Simulation, shown: Snapshot, dt: float) -> Failure:
@@ -145,32 +178,45 @@ def describe_infinite(simulation: Simulation, shown: Snapshot, dt: float) -> Fai
         "  the last step ended in a balance that is none: an edge folded back on itself or collapsed"
     )
     if static:
-        lines.append("  advice: raise integrator.load_steps")
+        path = isinstance(simulation.advance, PathFollower)
+        lines.append(f"  advice: {_SMALLER if path else 'raise integrator.load_steps'}")
         return Failure("\n".join(lines))
     lines.append(f"  advice: {_calmer(simulation)}, or apply the loads more slowly")
     return Failure("\n".join(lines), _shorter(dt))
 
 
-UNSTABLE = (
-    "the last equilibrium is unstable: the least disturbance makes the robot buckle or snap away from it; "
-    "numerics.newton.projection=indefinite goes on to a stable one, where a small force aside or an "
-    "imperfection says which"
-)
+def describe_unstable(simulation: Simulation, state: State) -> str:
+    """What to say when statics end where the least disturbance would make the robot move away."""
+    if state.load is not None:
+        return (
+            "the path ends in an unstable equilibrium: under a load that is given the robot would snap away "
+            "from it"
+        )
+    told = "the last equilibrium is unstable: the least disturbance makes the robot buckle or snap away; "
+    if simulation.newton.factorize is exact and simulation.advance is not relaxed:
+        return (
+            f"{told}numerics.newton.projection=indefinite goes on to a stable one, where a small force aside "
+            "or an imperfection says which"
+        )
+    return (
+        f"{told}it is perfectly straight, round, flat or planar, and nothing says which way to go: a small "
+        f"force aside does, or {_deviation(simulation)}"
+    )
 
 
-UNSTABLE_ON_PATH = (
-    "the path ends in an unstable equilibrium: under a load that is given the robot would snap away from it"
-)
+def _deviation(simulation: Simulation) -> str:
+    """The line that gives a robot a small imperfection."""
+    extent = float(np.ptp(simulation.model.dofs.positions(simulation.model.rest), axis=0).max())
+    return f"--set 'imperfection={{amplitude: {1e-3 * extent:.1g} m}}'"
 
 
 def describe_symmetry(simulation: Simulation, found: Found) -> str:
     """What to say when a run stays in an unstable balance that nothing disturbs."""
-    extent = float(np.ptp(simulation.model.dofs.positions(simulation.model.rest), axis=0).max())
     ways = "1 way" if found.modes == 1 else f"{found.modes} ways"
     return (
         f"at t = {found.t:.4g} s the robot was in an unstable balance, in {ways} that nothing moved it: "
         "perfectly straight, round, flat or planar, it stays so where a real one buckles, within about "
-        f"{1.0 / found.rate:.2g} s; let it deviate: --set 'imperfection={{amplitude: {1e-3 * extent:.1g} m}}'"
+        f"{1.0 / found.rate:.2g} s; let it deviate: {_deviation(simulation)}"
     )
 
 

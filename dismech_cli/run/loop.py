@@ -16,8 +16,6 @@ from ..solve.integrators import Static
 from ..solve.status import Status
 from .course import Course
 from .failure import (
-    UNSTABLE,
-    UNSTABLE_ON_PATH,
     Attempt,
     Failure,
     describe_failure,
@@ -26,6 +24,7 @@ from .failure import (
     describe_runaway,
     describe_singular,
     describe_symmetry,
+    describe_unstable,
 )
 from .interrupt import StopRequest
 from .simulation import Simulation
@@ -177,7 +176,7 @@ def _balance(course: Course) -> tuple[str, ...]:
     """Energy from nowhere at the end, more than an integrator may round; statics that would buckle."""
     model = course.simulation.model
     if not model.mass.any():
-        told = UNSTABLE if course.state.load is None else UNSTABLE_ON_PATH
+        told = describe_unstable(course.simulation, course.state)
         return (told,) if course.stepper.stability.unstable(course.state) else ()
     entries = course.account.measure(course.state)
     share = course.account.growth(entries, course.control.t_end)

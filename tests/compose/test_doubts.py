@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -9,6 +10,7 @@ from decks import given_section, line, rod_deck
 from shell_decks import BELL, DOWN, EULER, SHEET, STATIC, Deck, made, refused, rod, shell_deck, write
 
 from dismech_cli import load
+from dismech_cli.compose.compose import compose
 
 __all__ = ["made", "refused", "write"]
 
@@ -147,3 +149,35 @@ def test_a_mesh_must_follow_the_axes_of_a_twisted_section(
         for w in found
     )
     assert all("take about 121 nodes" in w for w in found)
+
+
+GRIDSHELL = Path(__file__).parents[2] / "scenarios" / "gridshell.yaml"
+
+
+@pytest.mark.parametrize(
+    ("overrides", "told"),
+    [
+        (["numerics.integrator.method=newton"], "nearer to each other by 10%"),
+        ([], ""),
+        (
+            [
+                "numerics.integrator.method=newton",
+                *(f"motions[{k}].displacement=[0, 0, 10 mm]" for k in range(4)),
+            ],
+            "",
+        ),
+    ],
+)
+def test_nets_pushed_in_are_proposed_motion_to_rest(overrides: list[str], told: str) -> None:
+    plan = compose(load(GRIDSHELL, overrides=tuple(overrides))).plan
+    decisions = [d.why for d in plan.decisions if "numerics.integrator.method=relax" in d.why]
+    assert len(decisions) == bool(told)
+    assert all(told in why for why in decisions)
+
+
+@pytest.mark.parametrize(
+    "stem", ["welded_net", "drooping_ring", "buckled_strip", "grippers", "hinged_bridge"]
+)
+def test_no_other_shipped_scene_is(stem: str) -> None:
+    plan = compose(load(GRIDSHELL.with_name(f"{stem}.yaml"))).plan
+    assert not any("relax" in d.why for d in plan.decisions)

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from decks import line, rod_deck
 
 import dismech_cli
 from dismech_cli.compose.compose import compose
@@ -48,3 +50,21 @@ def test_no_shorter_steps_after_the_last_cut(
 def test_shorter_steps_where_none_were_tried(simulation: Simulation) -> None:
     failure = describe_failure(simulation, failed(simulation, Status.MAX_ITERATIONS), cut=False)
     assert failure.remedy == "numerics.dt=0.00025 s"
+
+
+@pytest.mark.parametrize("cut", [False, True])
+@pytest.mark.parametrize("status", sorted(set(Status) - {Status.CONVERGED, Status.AMBIGUOUS}, key=str))
+def test_a_path_is_told_of_its_own_steps(tmp_path: Path, status: Status, cut: bool) -> None:
+    deck = rod_deck(
+        line(5),
+        forces=[{"type": "point", "where": "rod.end", "force": [0.0, 0.0, 1.0]}],
+        numerics={"integrator": {"type": "static", "path": {}}},
+    )
+    file = tmp_path / "path.yaml"
+    file.write_text(json.dumps(deck), encoding="utf-8")
+    simulation = compose(dismech_cli.load(file)).simulation
+    failure = describe_failure(simulation, failed(simulation, status), cut=cut)
+    for other in ("load_steps", "numerics.dt", "relax", "integrator.path follows", "dynamic integrator"):
+        assert other not in failure.message
+    assert failure.remedy == ""
+    assert ("from the start" in failure.message) == (not cut and status is not Status.FACTORIZATION_FAILED)

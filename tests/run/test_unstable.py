@@ -29,6 +29,9 @@ def test_a_straight_column_beyond_eulers_load(tmp_path: Path, load: float, proje
     doubts = solve(tmp_path, column(load, projection)).outcome.doubts
     assert len(doubts) == (load > 1.0)
     assert all("the last equilibrium is unstable" in doubt for doubt in doubts)
+    # what is set already is not advised
+    assert all(("projection=indefinite" in doubt) == (projection == "none") for doubt in doubts)
+    assert all(("--set 'imperfection={amplitude: 0.001 m}'" in d) == (projection != "none") for d in doubts)
 
 
 def test_a_stable_sheet_is_not_doubted(tmp_path: Path) -> None:
@@ -38,3 +41,11 @@ def test_a_stable_sheet_is_not_doubted(tmp_path: Path) -> None:
         numerics={"integrator": {"type": "static", "load_steps": 2}},
     )
     assert solve(tmp_path, deck).outcome.doubts == ()
+
+
+def test_motion_to_rest_needs_a_deviation_too(tmp_path: Path) -> None:
+    deck = column(1.3, "none")
+    deck["numerics"]["integrator"]["method"] = "relax"
+    (doubt,) = solve(tmp_path, deck).outcome.doubts
+    assert "projection" not in doubt
+    assert "imperfection={" in doubt

@@ -200,3 +200,11 @@ def test_dynamics_have_no_load_factor(tmp_path: Path) -> None:
     deck = column({}, numerics={"dt": 0.01, "t_end": 0.1})
     with pytest.raises(ScenarioError, match="only static runs have a load factor"):
         attempt(tmp_path, deck)
+
+
+def test_a_path_has_no_time(tmp_path: Path) -> None:
+    deck = column({})
+    deck["numerics"] = {"integrator": {"type": "static", "path": {}}, "t_end": 1.0}
+    with pytest.raises(ScenarioError, match="t_end: a static run along a path has no time") as told:
+        attempt(tmp_path, deck)
+    assert "load_steps" not in str(told.value)

@@ -107,12 +107,14 @@ def _motions(scenario: Scenario) -> Iterator[Finding]:
 def _time(scenario: Scenario) -> Iterator[Finding]:
     numerics = scenario.numerics
     if isinstance(numerics.integrator, Static):
+        goes = (
+            "goes over pseudo-time 0 to 1 in load_steps"
+            if numerics.integrator.path is None
+            else "along a path has no time: integrator.path tells its steps and its end"
+        )
         for key in ("dt", "t_end"):
             if getattr(numerics, key) is not None:
-                yield (
-                    ("numerics", key),
-                    "a static run goes over pseudo-time 0 to 1 in load_steps; leave this out",
-                )
+                yield ("numerics", key), f"a static run {goes}; leave this out"
         if scenario.initial_velocity:
             yield ("initial_velocity",), "a static run has no velocities"
         if scenario.imperfection is not None and not scenario.imperfection.stress_free:
