@@ -15,6 +15,7 @@ import typer
 from ..errors import DismechError, OutputError
 from ..session.exit_codes import Exit
 from .console import ClosedPipeError, Console, emit
+from .interruption import Interruption, interruptible
 
 # The base of all usage errors: the module that defines it differs between versions of Typer.
 _UsageError: Any = typer.BadParameter.__base__
@@ -84,14 +85,16 @@ def exit_code(app: typer.Typer, arguments: Sequence[str] | None) -> int:
     """
     given = sys.argv[1:] if arguments is None else arguments
     try:
-        return app(args=arguments, prog_name="dismech", standalone_mode=False) or Exit.DONE
+        with interruptible():
+            return app(args=arguments, prog_name="dismech", standalone_mode=False) or Exit.DONE
     except (ClosedPipeError, BrokenPipeError):
         return Exit.CLOSED_PIPE
     except Exception as error:
         code = _tell(error)
         return code if "--json" not in given else _as_json(error, code)
-    except KeyboardInterrupt as error:
-        return Exit.INTERRUPTED if "--json" not in given else _as_json(error, Exit.INTERRUPTED)
+    except Interruption as error:
+        Console().error(str(error))
+        return error.exit_code if "--json" not in given else _as_json(error, error.exit_code)
 
 
 def _tell(error: Exception) -> int:
@@ -122,7 +125,7 @@ def _as_json(error: BaseException, code: int) -> int:
             errors = [fault(error.format_message())]
         case _:
             errors = faults(error)
-    status = "interrupted" if code == Exit.INTERRUPTED else "failed"
+    status = "interrupted" if isinstance(error, Interruption | typer.Abort) else "failed"
     try:
         emit(dumps({"status": status, "exit_code": int(code), "errors": errors}, indent=2))
     except ClosedPipeError:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import signal
 from collections.abc import Callable
 from pathlib import Path
@@ -122,6 +123,24 @@ def test_a_run_that_a_signal_stops(nursery: Nursery, swing: Path, number: int, t
     assert done.status == "interrupted"
     assert list(done.probes) == ["tip"]
     assert held(RUN, nursery.call(swing, "resume", "out", "--json", "--wall-limit", "0.001s"), 130).probes
+
+
+@pytest.mark.parametrize(
+    ("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 129)]
+)
+def test_a_signal_before_the_run_begins(
+    call: Callable[..., Done], swing: Path, monkeypatch: pytest.MonkeyPatch, number: int, code: int
+) -> None:
+    from dismech_cli.session import start
+
+    handler = signal.getsignal(number)
+    # which tests under nohup would ignore
+    monkeypatch.setattr(signal, "getsignal", lambda _: handler if number == signal.SIGINT else signal.SIG_DFL)
+    monkeypatch.setattr(start, "load", lambda *_, **__: os.kill(os.getpid(), number))
+    done = held(RUN, call("run", "swing.yaml", "--json"), code)
+    assert isinstance(done, Failure)
+    assert done.status == "interrupted"
+    assert not (swing / "results").exists()
 
 
 def test_a_disk_that_fills_during_a_run(nursery: Nursery, swing: Path) -> None:
