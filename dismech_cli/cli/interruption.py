@@ -9,8 +9,8 @@ from contextlib import contextmanager
 from types import FrameType
 
 
-class Interruption(BaseException):  # noqa: N818 - no error, as KeyboardInterrupt, which Typer would swallow
-    """A signal that ends the program, with an exit code of its own.
+class Interruption(BaseException):
+    """A signal that ends the program, with an exit code of its own; no Exception, which Typer would take.
 
     Attributes:
         number: The signal.
