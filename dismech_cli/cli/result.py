@@ -48,6 +48,7 @@ def _as_json(finished: Finished) -> dict[str, object]:
         "expectations": manifest.expectations,
         "probes": manifest.probes,
         "energy_error": manifest.energy_error,
+        "penetration": manifest.penetration or None,
         "overrides": manifest.overrides,
         "parameters": manifest.parameters,
         "versions": manifest.versions,
@@ -67,7 +68,19 @@ def _summary(manifest: Manifest) -> str:
         parts += [f"{count['steps']} steps", f"{count['iterations']} Newton iterations"]
         parts += [f"{count['cuts']} steps cut"] if count["cuts"] else []
         parts += [f"{count['frames']} frames", f"{manifest.seconds['total']:.3g} s"]
-    return ", ".join(parts)
+    return "\n".join([", ".join(parts), *_deepest(manifest)])
+
+
+def _deepest(manifest: Manifest) -> list[str]:
+    """A line on the deepest penetration, if anything touched."""
+    if not (found := manifest.penetration):
+        return []
+    one, other = found["between"]  # type: ignore[misc, str-unpack]
+    rebuilds = manifest.counters.get("rebuilds", 0)
+    return [
+        f"deepest contact: {found['share']:.2%} of the thickness, {one!r} and {other!r} near {found['near']} "
+        f"at t = {found['t']:.4g} s; pairs came or went in {rebuilds} steps"
+    ]
 
 
 def _verdict_table(verdicts: tuple[Verdict, ...]) -> str:

@@ -43,6 +43,15 @@ class Parameter(_Strict):
     origin: str
 
 
+class Penetration(_Strict):
+    """The deepest of a run so far: as a share of the thickness, of whom, where and when [s]."""
+
+    share: float
+    between: list[str]
+    near: str
+    t: float
+
+
 class Run(_Strict):
     """``run`` and ``resume`` of a run that began, however it ended."""
 
@@ -56,6 +65,7 @@ class Run(_Strict):
     expectations: list[Expectation] = Field(description="Empty if the run did not come to its end.")
     probes: dict[str, Number] = Field(description="Each of output.probes in the last frame.")
     energy_error: Number | None = Field(description="Of the last frame in J; null if none was written.")
+    penetration: Penetration | None = Field(description="The deepest; null if nothing touched.")
     overrides: list[str] = Field(description="The --set arguments.")
     parameters: dict[str, Parameter] = Field(description="Of the scenario, by name.")
     versions: dict[str, str] = Field(description="Of Python and the libraries.")

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ..model.term import ChangingTerm
+from ..run.touched import Touched
 from ..run.validity import Check
 from .scene import Scene
 from .structure.structure import Structure
@@ -18,6 +19,7 @@ class Changing:
         terms: The terms.
         storing: Names of the bound terms that store the energy of contact.
         rubbing: Names of those that turn energy into heat.
+        touched: Reads what they leave in states; None without them.
         checks: What a run must not pass unseen.
         warnings: What is doubtful at the start.
     """
@@ -25,6 +27,7 @@ class Changing:
     terms: tuple[ChangingTerm, ...] = ()
     storing: tuple[str, ...] = ()
     rubbing: tuple[str, ...] = ()
+    touched: Touched | None = None
     checks: tuple[Check, ...] = ()
     warnings: tuple[str, ...] = ()
 
@@ -37,6 +40,9 @@ def make_changing(scene: Scene, structure: Structure) -> Changing:
     """
     if scene.scenario.contact is None:
         return Changing()
+    from ..contact.contact import WORST
+    from ..contact.rod_pairs import PAIRS
+    from ..contact.surface_pairs import LISTED
     from ..contact.terms import FRICTION, NORMAL
     from .contact.contact import make_contact
     from .contact.doubts import depth_check, start_doubts
@@ -47,6 +53,9 @@ def make_changing(scene: Scene, structure: Structure) -> Changing:
         terms=(contact,),
         storing=(NORMAL,),
         rubbing=() if contact.friction is None else (FRICTION,),
+        touched=Touched(
+            WORST, (PAIRS, LISTED), contact.pairs, contact.lines.nodes[:, 0], contact.rule.tolerance
+        ),
         checks=(depth_check(contact), *crossing_checks(contact)),
         warnings=tuple(start_doubts(scene, structure, contact)),
     )

@@ -107,6 +107,7 @@ def compose(
         watched=make_watched(scene, structure),
         places=node_labels(scene.geometry),
         checks=(*make_checks(scene, structure, elastic.rods), *changing.checks),
+        touched=changing.touched,
         structure=signature(scene.geometry, structure),
     )
     plan = replace(

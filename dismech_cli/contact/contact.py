@@ -23,13 +23,13 @@ from .rod_pairs import RodPairs
 from .source import Source
 from .stencils import Stencils
 from .stiffness import Hardness, Rule, given_up
-from .sums import deepest, summed
+from .sums import deepest, summed, worst
 from .surface_pairs import SurfacePairs
 from .terms import FullFriction, NormalTerm, SymmetricFriction
 from .touching import Touching
 from .walls import Wall
 
-HARDNESS, DEEPEST = "contact.hardness", "contact.deepest"
+HARDNESS, DEEPEST, WORST = "contact.hardness", "contact.deepest", "contact.worst"
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,6 +97,7 @@ class Contacts:
         # in this step, before it, and in the next
         self._now = self._early = self._later = Hardness()
         self._deepest = self._by_end = np.zeros(len(contact.lines.nodes))
+        self._worst = self._worst_by_end = np.zeros(4)
         self._end = np.empty((0, 3))
         self._sources: tuple[Source, ...] = tuple(NearWall(wall) for wall in contact.walls)
         if contact.neighbours is not None:
@@ -118,6 +119,7 @@ class Contacts:
         """Take the stiffness that the last step left."""
         early, later, calm, mark = memory.get(HARDNESS, np.array([1.0, 1.0, 0.0, 0.0])).tolist()
         self._deepest = self._by_end = memory.get(DEEPEST, np.zeros(len(self._deepest)))
+        self._worst = self._worst_by_end = memory.get(WORST, np.zeros(4))
         self._early = Hardness(early)
         self._take(Hardness(later, int(calm), mark))
         for source in self._sources:
@@ -153,8 +155,10 @@ class Contacts:
         """Whether nothing is deeper than the rule allows."""
         rule = self._contact.rule
         self._end = self._space(end.q)
-        depth = deepest(len(self._deepest), [source.depths(self._end, end.t) for source in self._sources])
+        depths = [source.depths(self._end, end.t) for source in self._sources]
+        depth = deepest(len(self._deepest), depths)
         self._by_end = np.maximum(self._deepest, depth)
+        self._worst_by_end = worst(self._worst, depths, end.t)
         deep = float(depth.max(initial=0.0)) / rule.tolerance
         after = rule.after(self._now, deep)
         self._stood = self._now, given_up(self._now, deep)
@@ -179,11 +183,12 @@ class Contacts:
         )
 
     def memory(self) -> Memory:
-        """The stiffness in use and the next one, calm steps, and how deep each line has been."""
+        """The stiffness in use and the next one, calm steps, how deep each line has been, and the worst."""
         later = self._later
         return {
             HARDNESS: np.array([self._now.factor, later.factor, float(later.calm), later.mark]),
             DEEPEST: self._by_end,
+            WORST: self._worst_by_end,
             **{name: values for source in self._sources for name, values in source.memory(self._end).items()},
         }
 
@@ -203,7 +208,7 @@ class Contacts:
         """Sums by pair of bodies."""
         x = self._space(c.q)
         depths = [source.depths(x, c.t) for source in self._sources]
-        return summed(self._contact.pairs, self.touching(c), depths, self._friction)
+        return summed(self._contact.pairs, self.touching(c), depths, self._friction, len(x))
 
     @property
     def stencils(self) -> tuple[Stencils, ...]:

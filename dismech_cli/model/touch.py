@@ -18,6 +18,8 @@ class Touch:
         friction: Sum of the friction forces on it [N], shape (P, 3).
         load: Sum of the magnitudes of the normal forces [N], shape (P,).
         depth: Deepest penetration as a share of the thickness, shape (P,).
+        loads: Normal force that each node bears, whatever its direction [N], shape (N,).
+        forces: Force of contact on each node, friction included [N], shape (N, 3).
     """
 
     pairs: tuple[tuple[str, str], ...]
@@ -26,3 +28,5 @@ class Touch:
     friction: FloatArray
     load: FloatArray
     depth: FloatArray
+    loads: FloatArray
+    forces: FloatArray

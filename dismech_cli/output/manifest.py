@@ -90,6 +90,8 @@ class Manifest:
         expectations: What each entry of ``expect:`` promised and the run gave, once it is done.
         probes: Value of each probe in the last frame.
         energy_error: Of the last frame [J]; None before there is one.
+        penetration: The deepest so far: as a share of the thickness, between whom, where and when; empty if
+            nothing touched.
     """
 
     name: str
@@ -113,6 +115,7 @@ class Manifest:
     expectations: tuple[Mapping[str, Json], ...] = ()
     probes: Mapping[str, Json] = field(default_factory=dict)
     energy_error: Json = None
+    penetration: Mapping[str, Json] = field(default_factory=dict)
 
     def save(self, run_dir: Path) -> Path:
         """Replace ``manifest.json`` in ``run_dir``, atomically.
@@ -161,6 +164,7 @@ def _sound(manifest: Manifest) -> Manifest:
         ("threads", isinstance(manifest.threads, Mapping)),
         ("expectations", all(isinstance(entry, Mapping) for entry in manifest.expectations)),
         ("probes", isinstance(manifest.probes, Mapping)),
+        ("penetration", isinstance(manifest.penetration, Mapping)),
         ("parameters", isinstance(manifest.parameters, Mapping)),
     ):
         if not sound:

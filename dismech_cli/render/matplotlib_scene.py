@@ -9,6 +9,7 @@ import numpy as np
 
 from ..arrays import FloatArray
 from .coloring import INK, PAPER, Colors, paled
+from .contact_marks import contact_marks
 from .ground import grid_lines
 from .job import Stage
 from .joint_marks import joint_marks
@@ -27,7 +28,8 @@ Triangles = tuple[FloatArray, FloatArray, FloatArray]
 def draw(stage: Stage) -> Iterator[Image]:
     """Yield one picture per shot; see :class:`.job.Renderer`."""
     settings, least = stage.settings, stage.framing.least_radius(stage.settings.size)
-    marks = joint_marks(stage.run, settings, least, _SIDES)
+    marks: list[Part] = [*joint_marks(stage.run, settings, least, _SIDES)]
+    marks += contact_marks(stage.run, settings, stage.framing.half_height, _SIDES)
     parts = [*make_parts(stage.run, least, _SIDES), *marks]
     bodies = make_bodies(stage.run, least, _SIDES) if stage.ghosts else []
     for number, shot in enumerate(stage.shots):

@@ -9,6 +9,7 @@ import numpy as np
 
 from .actors import PartActor
 from .coloring import INK, PAPER, paled
+from .contact_marks import contact_marks
 from .floor import Floor
 from .ground import grid_lines
 from .job import Stage
@@ -55,7 +56,8 @@ class _Scene:
         least = framing.least_radius(settings.size)
         if settings.ground == "grid" or (settings.ground == "floor" and abs(framing.basis[2, 2]) < _EDGE_ON):
             self._add_grid()
-        marks = joint_marks(stage.run, settings, least, _SIDES)
+        marks: list[Part] = [*joint_marks(stage.run, settings, least, _SIDES)]
+        marks += contact_marks(stage.run, settings, stage.framing.half_height, _SIDES)
         self._actors = [self._actor(part) for part in (*make_parts(stage.run, least, _SIDES), *marks)]
         self._ghosts = [self._ghost(shot, make_bodies(stage.run, least, _SIDES)) for shot in stage.ghosts]
         self._trails = None

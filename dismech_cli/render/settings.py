@@ -63,6 +63,7 @@ class Settings:
         ghosts: Times of earlier shapes that stay, pale [s].
         trails: Nodes that leave a line.
         joints: Nodes of joints that have a mark, and whether bending passes there.
+        contacts: Whether forces of contact have arrows.
         colormap: Name of a map of Matplotlib; None is the usual.
         limits: Values of the first and last colour; None is the range of the run.
     """
@@ -81,5 +82,6 @@ class Settings:
     ghosts: tuple[float, ...] = ()
     trails: tuple[int, ...] = ()
     joints: tuple[tuple[int, bool], ...] = ()
+    contacts: bool = False
     colormap: str | None = None
     limits: tuple[float, float] | None = None

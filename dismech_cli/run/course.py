@@ -108,14 +108,15 @@ class Course:
 
     @property
     def counts(self) -> dict[str, int]:
-        """Steps, iterations, cuts, frames, analyses."""
-        count = self.counters
+        """Steps, iterations, cuts, frames, analyses; with contact rebuilds of its places."""
+        count, contact = self.counters, self.simulation.touched is not None
         return {
             "steps": count.steps,
             "iterations": count.iterations,
             "cuts": count.cuts,
             "frames": self.framing.frames,
             "analyses": self.stepper.analyses,
+            **({"rebuilds": count.rebuilds} if contact else {}),
         }
 
     def begin(self) -> Snapshot | None:
@@ -177,6 +178,7 @@ class Course:
         """
         dt = result.state.t - self.state.t
         self.account.advance(self.state, result.state, result.put_in)
+        self._tell_contact(result.state)
         self.state = result.state
         self.control = self.control.accepted(result)
         self.counters.steps += 1
@@ -184,6 +186,18 @@ class Course:
         self.symmetry.look(self.state, self.control.t_end)
         self.stopwatch.book("observe", tick)
         return self._show(result, dt)
+
+    def _tell_contact(self, after: State) -> None:
+        """Events of contact in a step."""
+        touched = self.simulation.touched
+        if touched is None:
+            return
+        if (rebuilt := touched.rebuilt(self.state, after)) is not None:
+            self.counters.rebuilds += 1
+            self.sink.event("contact_rebuilt", after.t, **rebuilt)
+        if (found := touched.too_deep(self.state, after)) is not None:
+            near = self.simulation.places[found.node]
+            self.sink.event("penetration", after.t, between=found.pair, share=found.share, near=near)
 
     def report(self, dt: float) -> None:
         """Tell where the run stands after a step of ``dt`` [s]."""

@@ -29,6 +29,7 @@ from .failure import (
 from .interrupt import StopRequest
 from .simulation import Simulation
 from .sink import Sink
+from .touched import Penetration
 
 # A run that ends with more energy from nowhere than this share of what it held or turned into heat has
 # an unstable step.
@@ -73,6 +74,7 @@ class Outcome:
         doubts: What makes a run doubtful, a line each.
         remedy: A change of the scenario that may help a failed run on, as ``KEY=VALUE``; empty if none is
             known.
+        penetration: The deepest so far; None if nothing touched.
     """
 
     end: End
@@ -84,6 +86,7 @@ class Outcome:
     watched: Mapping[str, FloatArray]
     doubts: tuple[str, ...] = ()
     remedy: str = ""
+    penetration: Penetration | None = None
 
 
 def run(
@@ -198,6 +201,7 @@ def _blown_up(course: Course, failure: Failure) -> Outcome:
 def _ended(course: Course, end: End, why: Failure, doubts: tuple[str, ...] = ()) -> Outcome:
     """Say what came of the run."""
     singular = tuple(describe_singular(course.simulation, *found) for found in course.singular)
+    touched = course.simulation.touched
     return Outcome(
         end=end,
         message=why.message,
@@ -208,4 +212,5 @@ def _ended(course: Course, end: End, why: Failure, doubts: tuple[str, ...] = ())
         watched=course.watched.values,
         doubts=(*singular, *doubts),
         remedy=why.remedy,
+        penetration=None if touched is None else touched.deepest(course.state),
     )

@@ -18,6 +18,7 @@ from .observables.probes import Probe
 from .observables.rod_fields import Field
 from .roles import Roles
 from .step_control import StepControl
+from .touched import Touched
 from .validity import Check
 
 
@@ -42,6 +43,7 @@ class Simulation:
         places: A word for where each visible node lies: object and arc length.
         advance: How steps go.
         checks: Limits of its models.
+        touched: Reads what contact leaves in states; None without contact.
         structure: What its states are states of, by name: kept with them.
     """
 
@@ -61,4 +63,5 @@ class Simulation:
     places: tuple[str, ...]
     advance: Advance = through_stages
     checks: tuple[Check, ...] = ()
+    touched: Touched | None = None
     structure: Mapping[str, NDArray[Any]] = field(default_factory=dict)

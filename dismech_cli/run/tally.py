@@ -16,11 +16,13 @@ class Counters:
         steps: Accepted steps.
         iterations: Newton iterations, those of failed steps included.
         cuts: Failed steps that were tried again, shorter.
+        rebuilds: Steps in which pairs that touch came to have places in the matrix, or lost them.
     """
 
     steps: int = 0
     iterations: int = 0
     cuts: int = 0
+    rebuilds: int = 0
 
     def arrays(self) -> Arrays:
         """None."""
@@ -28,12 +30,11 @@ class Counters:
 
     def numbers(self) -> Numbers:
         """All counts."""
-        return {"steps": self.steps, "iterations": self.iterations, "cuts": self.cuts}
+        return {name: getattr(self, name) for name in self.__slots__}
 
     def restore(self, arrays: Arrays, numbers: Numbers) -> Counters:
         """Count on from what was saved."""
-        self.steps, self.iterations, self.cuts = (int(numbers[k]) for k in ("steps", "iterations", "cuts"))
-        return self
+        return Counters(**{name: int(numbers[name]) for name in self.__slots__})
 
 
 class Stopwatch:

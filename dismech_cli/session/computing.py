@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import fields
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 
@@ -19,6 +20,7 @@ from ..run.account import EnergyAccount
 from ..run.observables.rod_fields import Field as Observable
 from ..run.observe import Observer
 from ..run.simulation import Simulation
+from ..scenario.language.render import ContactField
 from ..scenario.load import load
 from ..solve.step import Stepper
 
@@ -33,8 +35,13 @@ def computed_field(run: Run, name: str, file: Path) -> Field:
 
     Raises:
         ScenarioError: There is no such field in this scene, or the frames do not tell it: how
-            cross-sections turn depends on every step.
+            cross-sections turn depends on every step, and so does contact.
     """
+    if name in get_args(ContactField):
+        raise ScenarioError(
+            f"cannot colour by {name!r}: it depends on how stiff contact was at every step, which the frames "
+            f"of {run.path} do not tell; add it to 'output: fields' and run again"
+        )
     wanted = (f"output.fields=[{name}]", "output.render={}")
     simulation = compose(load(run.path / SCENARIO_FILE, overrides=wanted), kernels="numpy").simulation
     (observable,) = simulation.fields

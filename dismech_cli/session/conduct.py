@@ -15,6 +15,7 @@ from ..run.interrupt import StopRequest
 from ..run.loop import Limits, Outcome, run
 from ..run.recorder import Checkpoint, Recorder
 from ..run.sink import Sink
+from ..run.touched import Penetration
 from ..scenario.load import LoadedScenario
 from .ending import Ending, conclude
 from .exit_codes import code_of
@@ -149,8 +150,20 @@ def _ended(
         seconds=seconds,
         expectations=tuple(verdict.as_json() for verdict in ending.verdicts),
     )
+    if outcome is not None and outcome.penetration is not None:
+        manifest = replace(manifest, penetration=_told(session, outcome.penetration))
     if latest.scalars:
         probes = {name: to_json(latest.scalars[name]) for name in session.composition.simulation.probes}
         manifest = replace(manifest, probes=probes, energy_error=to_json(latest.scalars.get("error")))
     manifest.save(session.run_dir)
     return manifest
+
+
+def _told(session: Session, found: Penetration) -> dict[str, Json]:
+    """The deepest penetration in words and numbers."""
+    return {
+        "share": found.share,
+        "between": list(found.pair),
+        "near": session.composition.simulation.places[found.node],
+        "t": found.t,
+    }

@@ -79,6 +79,7 @@ def settings_of(loaded: LoadedScenario, topology: Topology, color_by: str | None
         ghosts=render.ghosts,
         trails=_trails(loaded, render),
         joints=_joints(loaded, render),
+        contacts=render.contacts == "shown",
         limits=None if render.range is None else (render.range[0], render.range[1]),
     )
 

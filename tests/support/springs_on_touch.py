@@ -150,7 +150,7 @@ class ComingAndGoing(_Bound):
 
     def touch(self, c: Configuration) -> Touch:
         none = np.empty(0)
-        return Touch((), none.astype(np.int64), none, none, none, none)
+        return Touch((), none.astype(np.int64), *(none for _ in range(6)))
 
     def detect(self, c: Configuration) -> bool:
         _, distance = self.springs.vectors(c.q)

@@ -27,6 +27,7 @@ from ...run.observables.rod_fields import (
     VelocityField,
 )
 from ...run.observables.shell_fields import AmongCells, AreaStrainField, BendingEnergyField
+from ...run.observables.touch_fields import ContactForceField, LineLoadField, PressureField
 from ...scenario.language.render import ShellField
 from ..elastic.planar import PLANAR_AXIS
 from ..elastic.rods import RodEnergies
@@ -168,6 +169,27 @@ def _bending_energy_density(scene: Scene, structure: Structure, rods: RodEnergie
     return BendingEnergyField(tuple(shares))
 
 
+def _contact_force(scene: Scene, structure: Structure, rods: RodEnergies) -> Field:
+    return ContactForceField(len(scene.geometry.nodes))
+
+
+def _contact_line_load(scene: Scene, structure: Structure, rods: RodEnergies) -> Field:
+    geometry = scene.geometry
+    return LineLoadField(geometry.edges, _dealt(geometry.edges, geometry.lengths, len(geometry.nodes)))
+
+
+def _contact_pressure(scene: Scene, structure: Structure, rods: RodEnergies) -> Field:
+    geometry = scene.geometry
+    return PressureField(_dealt(geometry.triangles, geometry.areas, len(geometry.nodes)))
+
+
+def _dealt(cells: IntArray, sizes: FloatArray, count: int) -> FloatArray:
+    """Sizes of cells in equal parts to their nodes, shape (count,)."""
+    out = np.zeros(count)
+    np.add.at(out, cells, sizes[:, None] / cells.shape[1])
+    return out
+
+
 def _shared(faces: IntArray, areas: FloatArray) -> Any:
     """Sparse matrix (T, S) from energies of stencils to energies per area, in equal parts.
 
@@ -193,4 +215,7 @@ FIELDS: dict[str, Maker] = {
     "director": _director,
     "area_strain": _area_strain,
     "bending_energy_density": _bending_energy_density,
+    "contact_force": _contact_force,
+    "contact_line_load": _contact_line_load,
+    "contact_pressure": _contact_pressure,
 }

@@ -13,7 +13,7 @@ from ..language.force import Buoyancy, Gravity
 from ..language.motion import Clamp, Pin, Twist
 from ..language.numerics import Static
 from ..language.probe import EnergyProbe, LoadFactorProbe, ReactionProbe, StabilityProbe, VelocityProbe
-from ..language.render import RodField, ShellField
+from ..language.render import ContactField, RodField, ShellField
 from ..language.scenario import Scenario
 from ..language.seam import Seam
 from ..text.tree import KeyPath
@@ -192,6 +192,8 @@ def _output(scenario: Scenario) -> Iterator[Finding]:
             yield ("output", "fields", i), f"{field!r} is a field of rods, but the scene has none"
         if field in get_args(ShellField) and not scenario.shells:
             yield ("output", "fields", i), f"{field!r} is a field of shells, but the scene has none"
+        if field in get_args(ContactField) and scenario.contact is None:
+            yield ("output", "fields", i), f"{field!r} needs contact, but the scene has no `contact`"
     end = scenario.numerics.t_end
     if output.every is not None and end is not None and output.every > end:
         yield ("output", "every"), f"longer than the run of {end:g} s"

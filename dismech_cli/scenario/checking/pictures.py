@@ -34,6 +34,8 @@ def picture_findings(scenario: Scenario) -> Iterator[Finding]:
         for i, t in enumerate(getattr(render, key)):
             if end is not None and t > end:
                 yield (*_HERE, key, i), f"after the end of the run at {end:g} s"
+    if render.contacts == "shown" and "contact_force" not in output.fields:
+        yield (*_HERE, "contacts"), "needs 'contact_force' in output.fields"
     for i, name in enumerate(render.plots):
         if name not in output.probes:
             yield (*_HERE, "plots", i), f"no probe is named {name!r}{hint(name, output.probes)}"

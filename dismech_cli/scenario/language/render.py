@@ -12,10 +12,12 @@ from ..values.selection import SelectedNodes, TextToo
 from ..values.spec import Spec, problem
 
 RodField: TypeAlias = Literal[
-    "curvature", "twist", "axial_strain", "axial_force", "bending_moment", "director"
+    "curvature", "twist", "axial_strain", "axial_force", "bending_moment", "director", "contact_line_load"
 ]
-ShellField: TypeAlias = Literal["area_strain", "bending_energy_density"]
-ColorField: TypeAlias = Literal["velocity", "displacement", RodField, ShellField]
+ShellField: TypeAlias = Literal["area_strain", "bending_energy_density", "contact_pressure"]
+ContactField: TypeAlias = Literal["contact_force", "contact_line_load", "contact_pressure"]
+"""Fields that follow from how stiff contact was at each step, which frames do not tell."""
+ColorField: TypeAlias = Literal["velocity", "displacement", "contact_force", RodField, ShellField]
 ComputedField: TypeAlias = Literal[
     "velocity", "displacement", "curvature", "axial_strain", "axial_force", "area_strain"
 ]
@@ -88,7 +90,7 @@ class Render(Spec):
     color_by: Literal["none", "speed", ColorField] = Field(
         default="none",
         description="Field shown as colour; `none` gives each body a colour, `speed` is that of `velocity`."
-        " Fields that depend on how cross-sections turn must be among `fields`.",
+        " Fields of contact and those that depend on how cross-sections turn must be among `fields`.",
     )
     range: Annotated[tuple[Limit, ...], Len(2, 2), Strict(False)] | None = Field(
         default=None,
@@ -138,6 +140,11 @@ class Render(Spec):
     joints: Literal["hidden", "shown"] = Field(
         default="hidden",
         description="Balls where bodies are joined: dark where bending passes, pale at hinges.",
+    )
+    contacts: Literal["hidden", "shown"] = Field(
+        default="hidden",
+        description="Arrows for the forces of contact on the nodes, the longest for the largest of the run;"
+        " `contact_force` must be among `fields`.",
     )
     ghosts: Annotated[tuple[Time, ...], Len(0, 50), Strict(False)] = Field(
         default=(), description="Times of earlier shapes that stay in the picture, pale."
