@@ -148,11 +148,11 @@ def drawn(figure: Figure, caption: str = "", *, points: int = 0) -> str:
 
 def _svg(figure: Figure) -> str:
     """The figure as SVG without its head, which would refer to files elsewhere; the same bits every time."""
-    import matplotlib
+    import matplotlib as mpl
 
     file = io.StringIO()
     nothing = dict.fromkeys(("Creator", "Date", "Format", "Type"))
-    with matplotlib.rc_context({"svg.fonttype": "none", "svg.hashsalt": "dismech"}):
+    with mpl.rc_context({"svg.fonttype": "none", "svg.hashsalt": "dismech"}):
         figure.savefig(file, format="svg", metadata=nothing)
     text = file.getvalue()
     return text[text.index("<svg") :]
