@@ -14,6 +14,8 @@ from ..errors import DismechError
 from ..output.durable import write_bytes
 from ..session.drawing import Finished
 from ..session.exit_codes import Exit
+from ..session.verdicts import Verdict
+from ..studies.sweep import Swept
 
 
 def write_junit(file: Path, finished: Finished) -> None:
@@ -49,6 +51,26 @@ def write_checks(file: Path, faults: Mapping[str, str]) -> None:
         case = _case(suite, scenario, "check", 0.0)
         if message:
             _fault(case, "error", message)
+    _write(file, suite)
+
+
+def write_sweep(file: Path, swept: Swept) -> None:
+    """Write how the points of a sweep ended: each is a test case, its time that of the processor.
+
+    Raises:
+        OutputError: If the file cannot be written.
+    """
+    suite = Element("testsuite", name=swept.name)
+    for point in swept.points:
+        result = swept.results.get(point.id)
+        case = _case(suite, swept.name, point.label, 0.0 if result is None else result.cpu)
+        if result is None:
+            SubElement(case, "skipped", message="no result")
+        elif result.exit_code == Exit.EXPECTATION:
+            missed = [Verdict.of_json(entry) for entry in result.expectations if not entry["passed"]]
+            _fault(case, "failure", "\n".join(map(str, missed)))
+        elif result.exit_code:
+            _fault(case, "error", result.message)
     _write(file, suite)
 
 

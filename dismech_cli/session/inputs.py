@@ -74,7 +74,7 @@ def gather_inputs(loaded: LoadedScenario, kept: bytes = b"") -> Inputs:
     names: dict[str, str] = {}
     made: dict[str, bytes] = {}
     for leaf in leaves(loaded.scenario):
-        if leaf.file and leaf.value not in names and leaf.path[0] != "include":
+        if leaf.file and leaf.value not in names and leaf.path[0] not in ("include", "sweep"):
             name = f"{INPUT_FOLDER}/{Path(leaf.value).name}"
             if leaf.folder and kept:
                 name = f"{INPUT_FOLDER}/{STATE_FILE}"

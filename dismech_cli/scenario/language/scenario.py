@@ -25,6 +25,7 @@ from .motion import InitialVelocity, Motion
 from .numerics import Numerics
 from .obstacle import Obstacle
 from .output import Output
+from .sweep import Sweep
 
 SCHEMA_VERSION: Final = 1
 
@@ -90,6 +91,7 @@ class Scenario(Spec):
     expect: dict[Name, Expectation] = Field(
         default={}, description="Numbers that the run must give, by name."
     )
+    sweep: Sweep | None = Field(default=None, description="What `dismech sweep` varies; no part of a run.")
 
     @model_validator(mode="before")
     @classmethod

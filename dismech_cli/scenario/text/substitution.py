@@ -25,6 +25,8 @@ from .turning import placed_body, placed_joint
 PROSE: Final = frozenset({"description", "source"})
 _ARITHMETIC: Final = "expression"
 _PART: Final = re.compile(r"\$\$|\$\{[^{}$]*\}|\$[A-Za-z_][A-Za-z0-9_]*|\$")
+_LATER: Final = "sweep"
+"""Section whose values are those of points: a formula in it is computed where the point sets it."""
 _IN_NAME: Final = re.compile(r"[A-Za-z0-9_.](?:\$\$)*\$(?!\$)")
 _Shown: TypeAlias = Callable[[Amount], str]
 _CURLING: Final = frozenset({"curvature_1", "curvature_2"})
@@ -68,11 +70,14 @@ def substitute(root: Node, parameters: Mapping[str, Parameter]) -> Substituted:
         ProblemsError: with every fault found, each at the line of the value.
     """
     assert isinstance(root.value, Mapping)
-    body = replace(root, value={key: child for key, child in root.value.items() if key != KEY})
+    body = replace(root, value={k: child for k, child in root.value.items() if k not in (KEY, _LATER)})
     walker = _Walker(parameters, _curls(body))
     tree = walker.node(body, (), None)
     if walker.problems:
         raise ProblemsError(walker.problems)
+    if (later := root.child(_LATER)) is not None:
+        assert isinstance(tree.value, Mapping)
+        tree = replace(tree, value={**tree.value, _LATER: later})
     return Substituted(tree, frozenset(walker.numbers), frozenset(walker.used))
 
 

@@ -16,7 +16,7 @@ from ..text.substitution import PROSE
 from ..text.yaml_text import SCALARS
 from .walk import leaves
 
-_LOADER_KEYS = ("include", "profiles", "parameters")
+_LOADER_KEYS = ("include", "profiles", "parameters", "sweep")
 
 
 class _Dumper(yaml.SafeDumper):
