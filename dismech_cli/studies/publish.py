@@ -102,7 +102,7 @@ def begin(points: Path, id: str) -> Work:
     """
     work = Work(points / f".{id}.{uuid.uuid4().hex}", id)
     with output_errors(work.hidden, "create"):
-        work.hidden.mkdir(parents=True)
+        work.hidden.mkdir()
     write_bytes(work.hidden / _OWNER_FILE, json.dumps(asdict(Owner.this())).encode())
     return work
 

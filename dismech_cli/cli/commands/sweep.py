@@ -138,6 +138,11 @@ def sweep(
         axes = given.axes(scenario.parent)
         if dry_run:
             return show_points(base, axes, piece, json)
+        elsewhere = None
+        if executor is not None:
+            from ...studies.dask_pool import executor_at
+
+            elsewhere = executor_at(executor, deterministic, gather)
         request = Request(
             base=base,
             axes=axes,
@@ -150,6 +155,7 @@ def sweep(
             light=light,
             run=not no_run,
             deterministic=deterministic,
+            executor=elsewhere,
         )
         swept = run(request, console)
     if junit is not None:
