@@ -137,6 +137,47 @@ class Refused(_Strict):
     errors: list[Fault]
 
 
+class SweptSetting(_Strict):
+    """A value that a point sets: as written, and in SI units where it is a number."""
+
+    text: str
+    value: Any
+    unit: str
+
+
+class PointResult(_Strict):
+    """How a point ended."""
+
+    status: Literal["done", "failed", "timeout", "broken"]
+    exit_code: int
+    message: str
+    expectations: list[Expectation]
+    probes: dict[str, Number]
+    counters: dict[str, int]
+    cpu: float = Field(description="CPU time in s.")
+    wall: float = Field(description="Wall time in s.")
+
+
+class SweptPoint(_Strict):
+    """A point of a sweep; without a result it is still to be run."""
+
+    id: str = Field(description="The name of its folder.")
+    settings: dict[str, SweptSetting]
+    result: PointResult | None
+
+
+class Swept(_Strict):
+    """``sweep``, however it ended."""
+
+    sweep_dir: str
+    exit_code: int = Field(description="The largest of all points; 130 where some have no result.")
+    message: str
+    errors: list[Fault] = Field(description="Empty if the exit code is 0.")
+    counts: dict[str, int]
+    points: list[SweptPoint]
+    files: list[str] = Field(description="Tables and report.")
+
+
 class Failure(_Strict):
     """What ended before a run began or a check was through."""
 
@@ -147,9 +188,11 @@ class Failure(_Strict):
 
 RUN: TypeAdapter[Run | Failure] = TypeAdapter(Run | Failure)
 CHECK: TypeAdapter[list[Checked | Refused] | Failure] = TypeAdapter(list[Checked | Refused] | Failure)
+SWEEP: TypeAdapter[Swept | list[SweptPoint] | Failure] = TypeAdapter(Swept | list[SweptPoint] | Failure)
+"""With ``--dry-run`` the points alone."""
 
 
 def result_schema() -> dict[str, Any]:
     """JSON Schema by command."""
-    run, check = RUN.json_schema(), CHECK.json_schema()
-    return {"run": run, "resume": run, "check": check}
+    run, check, sweep = RUN.json_schema(), CHECK.json_schema(), SWEEP.json_schema()
+    return {"run": run, "resume": run, "check": check, "sweep": sweep}

@@ -161,8 +161,9 @@ def _result(task: Task, work: Work) -> Result | None:
 
 def _name_place(log: Path, hidden: Path, shown: Path) -> None:
     """Advice in a log names the folder in which the point will be found."""
-    with suppress(FileNotFoundError), output_errors(log):
-        log.write_text(log.read_text(encoding="utf-8").replace(str(hidden), str(shown)), encoding="utf-8")
+    if log.is_file():
+        with output_errors(log):
+            log.write_text(log.read_text(encoding="utf-8").replace(str(hidden), str(shown)), encoding="utf-8")
 
 
 if __name__ == "__main__":
