@@ -8,7 +8,20 @@ from typing import Annotated, Any
 import typer
 
 from .. import __version__
-from .commands import check, doctor, examples, explain, export, init, render, resume, run, schema, sweep
+from .commands import (
+    check,
+    compare,
+    doctor,
+    examples,
+    explain,
+    export,
+    init,
+    render,
+    resume,
+    run,
+    schema,
+    sweep,
+)
 from .exits import leave
 
 _HELP = """Simulate slender soft robots made of rods, in batch.
@@ -56,6 +69,7 @@ _add(check.check, "check", check.SUMMARY, check.EXAMPLES)
 _add(explain.explain, "explain", explain.SUMMARY, explain.EXAMPLES)
 _add(resume.resume, "resume", resume.SUMMARY, resume.EXAMPLES)
 _add(sweep.sweep, "sweep", sweep.SUMMARY, sweep.EXAMPLES)
+_add(compare.compare, "compare", compare.SUMMARY, compare.EXAMPLES)
 _add(render.render, "render", render.SUMMARY, render.EXAMPLES)
 _add(export.export, "export", export.SUMMARY, export.EXAMPLES)
 _add(init.init, "init", init.SUMMARY, init.EXAMPLES)

@@ -178,6 +178,33 @@ class Swept(_Strict):
     files: list[str] = Field(description="Tables and report.")
 
 
+class FieldDifference(_Strict):
+    """One quantity of two runs; ``greatest``, ``rms`` and ``scale`` in ``unit``."""
+
+    name: str
+    unit: str
+    greatest: Number = Field(description="Over all shared times and all places; of vectors, the length.")
+    rms: Number
+    scale: float = Field(description="Size of the quantity, to which relative tolerances refer.")
+    relative: Number
+    tolerance: float
+    tolerance_kind: Literal["relative", "absolute"]
+    within: bool
+    t: float = Field(description="When it is greatest, in s.")
+    place: str = Field(description="Where; empty for a scalar.")
+
+
+class Compared(_Strict):
+    """``compare``."""
+
+    runs: list[str]
+    exit_code: int
+    times: int = Field(description="Times that both have.")
+    differences: list[FieldDifference]
+    notes: list[str] = Field(description="What could not be compared.")
+    errors: list[Fault] = Field(description="Empty if the exit code is 0.")
+
+
 class Failure(_Strict):
     """What ended before a run began or a check was through."""
 
@@ -190,9 +217,10 @@ RUN: TypeAdapter[Run | Failure] = TypeAdapter(Run | Failure)
 CHECK: TypeAdapter[list[Checked | Refused] | Failure] = TypeAdapter(list[Checked | Refused] | Failure)
 SWEEP: TypeAdapter[Swept | list[SweptPoint] | Failure] = TypeAdapter(Swept | list[SweptPoint] | Failure)
 """With ``--dry-run`` the points alone."""
+COMPARE: TypeAdapter[Compared | Failure] = TypeAdapter(Compared | Failure)
 
 
 def result_schema() -> dict[str, Any]:
     """JSON Schema by command."""
     run, check, sweep = RUN.json_schema(), CHECK.json_schema(), SWEEP.json_schema()
-    return {"run": run, "resume": run, "check": check, "sweep": sweep}
+    return {"run": run, "resume": run, "check": check, "sweep": sweep, "compare": COMPARE.json_schema()}
