@@ -17,6 +17,7 @@ from .commands import (
     export,
     init,
     render,
+    report,
     resume,
     run,
     schema,
@@ -71,6 +72,7 @@ _add(resume.resume, "resume", resume.SUMMARY, resume.EXAMPLES)
 _add(sweep.sweep, "sweep", sweep.SUMMARY, sweep.EXAMPLES)
 _add(compare.compare, "compare", compare.SUMMARY, compare.EXAMPLES)
 _add(render.render, "render", render.SUMMARY, render.EXAMPLES)
+_add(report.report, "report", report.SUMMARY, report.EXAMPLES)
 _add(export.export, "export", export.SUMMARY, export.EXAMPLES)
 _add(init.init, "init", init.SUMMARY, init.EXAMPLES)
 _add(examples.examples, "examples", examples.SUMMARY, examples.EXAMPLES)

@@ -72,6 +72,11 @@ def paragraph(text: str) -> str:
     return f"<p>{escape(text)}</p>"
 
 
+def plain(text: str) -> str:
+    """Plain text as HTML, for what is put together by hand."""
+    return escape(text)
+
+
 def listing(text: str) -> str:
     """Text as it is, lines and blanks kept."""
     return f"<pre>{escape(text)}</pre>"
