@@ -199,6 +199,7 @@ def _run(
     with closing(make(folder, narrator)) as executor:
         executor.warm(_unlike(todo, tasks))
         Worker(points, folder / FAILURES_FILE, narrator).work(tasks, executor, stop)
+    remove_dead(points)  # of children that were ended
 
 
 def _local(request: Request, count: int) -> Callable[[Path, Narrator], Executor]:
