@@ -17,7 +17,7 @@ from ..output.jsonable import Json
 from ..output.manifest import installed_versions
 from ..scenario.load import json_schema
 from .pool import Child, hard_limit, over
-from .publish import is_done
+from .publish import is_done, remove_dead
 from .task import Task
 
 LARGEST: Final = 50 * 1024 * 1024
@@ -124,7 +124,9 @@ def _converse(order: Mapping[str, Any], task: Task) -> dict[str, Json | bytes]:
                 if "id" in line or "warm" in line:
                     return {"exit_code": 0, "status": "done", **line, "died": False, "late": False, "log": ""}
             if order["sweep"] in _stopped:
-                return _dead(child, "stopped")
+                answer = _dead(child, "stopped")
+                remove_dead(task.points)  # the sweep that would do so has left
+                return answer
             if time.monotonic() > deadline:
                 return _dead(child, over(task)) | {"late": True}
 

@@ -14,7 +14,21 @@ import dismech_cli
 
 __all__ = ["call"]
 
-COMMANDS = ("run", "check", "explain", "resume", "render", "export", "init", "examples", "schema", "doctor")
+COMMANDS = (
+    "run",
+    "check",
+    "explain",
+    "resume",
+    "sweep",
+    "compare",
+    "render",
+    "report",
+    "export",
+    "init",
+    "examples",
+    "schema",
+    "doctor",
+)
 HEAVY = ("numpy", "scipy", "h5py", "pyvista", "vtk", "pydantic", "meshio", "matplotlib", "imageio", "numba")
 
 LOOK = """

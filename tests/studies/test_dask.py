@@ -77,7 +77,7 @@ def cluster(arm: Path) -> Iterator[Cluster]:
 @pytest.mark.slow
 def test_a_worker_is_killed_and_every_point_is_published_once(nursery: Nursery, arm: Path, cluster: Cluster):
     sweep = nursery.start(arm, "sweep", "arm.yaml", "-o", "out", *SIXTEEN, *cluster.executor, "-v")
-    wait_until(lambda: (arm / "out").is_dir() and len(published(arm / "out")) >= 5, timeout=240)
+    wait_until(lambda: len(published(arm / "out")) >= 5, timeout=240)
     cluster.workers[0].send_signal(signal.SIGKILL)
     done = sweep.wait(timeout=300)
     assert done.code == 0, done.stderr
@@ -115,7 +115,7 @@ def test_results_come_by_network_and_bad_points_are_told(nursery: Nursery, arm: 
 @pytest.mark.slow
 def test_a_signal_stops_what_workers_run(nursery: Nursery, arm: Path, cluster: Cluster):
     sweep = nursery.start(arm, "sweep", "arm.yaml", "-o", "out", *SIXTEEN, *cluster.executor)
-    wait_until(lambda: (arm / "out").is_dir() and published(arm / "out"), timeout=240)
+    wait_until(lambda: published(arm / "out"), timeout=240)
     sweep.signal(signal.SIGINT)
     done = sweep.wait(timeout=60)
     assert done.code == 130, done.stderr

@@ -24,6 +24,7 @@ from dismech_cli.scenario.load import LoadedScenario
 from dismech_cli.sections.shells import hinge_stiffness
 from dismech_cli.session.report import Report
 from dismech_cli.solve.tangents import TANGENTS
+from dismech_cli.studies.axes import rows
 
 Choice = tuple[str, str]
 SHORT: Deck = {"integrator": {"type": "implicit_euler"}, "dt": 0.01, "t_end": 0.02}
@@ -500,6 +501,31 @@ DISPLACEMENT = Rare(
     steps=is_what_moved,
 )
 
+
+def draws_three(loaded: LoadedScenario, result: Report) -> None:
+    assert loaded.scenario.sweep is not None
+    lots = [dict(row) for row in rows(loaded.scenario.sweep, loaded.directory)]
+    assert [lot["numerics.dt"] for lot in lots] == ["0.01", "0.01", "0.01", "0.02", "0.02", "0.02"]
+    slices = sorted(int(3.0 * (float(lot["forces[0].acceleration[2]"]) + 10.0)) for lot in lots[:3])
+    assert slices == [0, 1, 2]
+
+
+SAMPLE = Rare(
+    rod_deck(
+        line(4),
+        forces=[{"type": "gravity", "acceleration": [0.0, 0.0, -9.81]}],
+        numerics=SHORT,
+        sweep={
+            "csv": "steps.csv",
+            "sample": {"count": 3, "over": {"forces[0].acceleration[2]": {"from": -10, "to": -9}}},
+        },
+    ),
+    lambda made: None,
+    classes=frozenset({"Sample", "Between"}),
+    files={"steps.csv": "numerics.dt\n0.01\n0.02\n"},
+    steps=draws_three,
+)
+
 RARE: dict[str, Rare] = {
     **LAWS,
     **BODIES,
@@ -512,6 +538,7 @@ RARE: dict[str, Rare] = {
     "first": FIRST,
     "positions": POSITIONS,
     "displacement": DISPLACEMENT,
+    "sample": SAMPLE,
 }
 
 

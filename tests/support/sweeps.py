@@ -71,12 +71,12 @@ def timeless(folder: Path) -> tuple[list[dict[str, str]], dict[str, Any]]:
 
 def published(folder: Path) -> set[str]:
     """Names of the points that are there."""
-    return {entry.name for entry in (folder / "points").iterdir() if not entry.name.startswith(".")}
+    return {entry.name for entry in (folder / "points").glob("[0-9a-f]*")}
 
 
 def left_over(folder: Path) -> set[str]:
     """What is hidden among them."""
-    return {entry.name for entry in (folder / "points").iterdir() if entry.name.startswith(".")}
+    return {entry.name for entry in (folder / "points").glob(".*")}
 
 
 def results_of(folder: Path) -> dict[str, dict[str, Any]]:

@@ -7,7 +7,7 @@ import re
 from typing import Annotated, Any, Final, Literal, Self, TypeAlias
 
 from annotated_types import Len
-from pydantic import Discriminator, Field, Strict, Tag, field_validator, model_validator
+from pydantic import Discriminator, Field, Strict, Tag, WithJsonSchema, field_validator, model_validator
 
 from ...quantities import QuantityError, read_quantity
 from ..text.tree import describe
@@ -23,14 +23,15 @@ _DIGITS: Final = 12
 
 Scale: TypeAlias = Literal["linear", "log"]
 Value: TypeAlias = Any
+End: TypeAlias = Annotated[Any, WithJsonSchema({"anyOf": [{"type": "number"}, {"type": "string"}]})]
 Values: TypeAlias = Annotated[tuple[Value, ...], Len(1, MAX_POINTS), Strict(False)]
 
 
 class Between(Spec):
     """The numbers between two: equal steps, or equal factors where `scale` is `log`."""
 
-    from_: Any = Field(alias="from", description="One end: a number, or a quantity such as `1 mm`.")
-    to: Any = Field(description="The other end, in the same unit or another of its kind.")
+    from_: End = Field(alias="from", description="One end: a number, or a quantity such as `1 mm`.")
+    to: End = Field(description="The other end, in the same unit or another of its kind.")
     scale: Scale = Field(default="linear", description="Whether steps or factors are equal.")
 
     @field_validator("from_", "to")
@@ -94,9 +95,9 @@ class Sweep(Spec):
 
     over: dict[str, Axis] = Field(default={}, description="A list of values, or a span, by key path.")
     zip: dict[str, Values] = Field(
-        default={}, description="Lists of one length, gone through side by side: their first values, their "
-        "second ones, and so on."
-    )  # fmt: skip
+        default={},
+        description="Lists of one length, gone through side by side: all first values, all second.",
+    )
     csv: FileName | None = Field(
         default=None, description="A table whose first line names key paths and whose rows are values."
     )
