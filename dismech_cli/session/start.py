@@ -61,6 +61,10 @@ def start(request: Start, narrator: Narrator) -> Finished:
     )
     for warning in loaded.warnings:
         narrator.warn(warning)
+    if loaded.scenario.sweep is not None:
+        narrator.say(
+            "one run, of the values as written: dismech sweep runs the points of its section 'sweep'"
+        )
     tock = time.perf_counter()
     composition = composed(loaded, None, narrator)
     tell_doubts(composition, narrator)

@@ -19,7 +19,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any, Final
 
-from ..errors import OutputError, ScenarioError
+from ..errors import OutputError, ScenarioError, UnfinishedError
 from ..output.durable import write_bytes
 from ..output.manifest import installed_versions
 from ..output.run_directory import SCENARIO_FILE
@@ -102,7 +102,7 @@ class DaskPool:
             self._workers = self._client.nthreads()
         return max(0, sum(self._workers.values()) + len(self._workers) - len(self._flying))
 
-    def warm(self, tasks: Sequence[Task]) -> None:
+    def warm(self, tasks: Sequence[Task], stopped: Callable[[], bool]) -> None:
         """Compile on one worker of each machine."""
         workers = self._client.scheduler_info(n_workers=-1)["workers"]
         first = {facts["host"]: address for address, facts in reversed(list(workers.items()))}
@@ -111,9 +111,9 @@ class DaskPool:
             for address in first.values()
             for task in tasks
         ]
-        for future in futures:
-            with suppress(Exception):  # told by the points themselves
-                future.result()
+        # what goes wrong is told by the points themselves
+        while not (stopped() or all(future.done() for future in futures)):
+            time.sleep(_POLL)
 
     def submit(self, task: Task) -> None:
         """Send a task to the scheduler."""
@@ -128,6 +128,7 @@ class DaskPool:
         ended: list[Any] = []
         while not ended and time.monotonic() < end:
             time.sleep(_POLL)
+            self._refuse_lost()
             ended = [future for future in self._flying if future.done()]
         return [self._answer(future, self._flying.pop(future)) for future in ended]
 
@@ -140,6 +141,15 @@ class DaskPool:
         with suppress(Exception):
             self._client.close(timeout=5)
         self._token.unlink(missing_ok=True)
+
+    def _refuse_lost(self) -> None:
+        """Points of a scheduler that is gone are not broken: they are to be run elsewhere.
+
+        Raises:
+            UnfinishedError: It is gone.
+        """
+        if self._client.status != "running":
+            raise UnfinishedError("the Dask scheduler is gone: --resume goes on, here or on another")
 
     def _check(self, address: str) -> None:
         """Refuse workers of another version, and those that do not see the folder of the sweep.
@@ -178,10 +188,12 @@ class DaskPool:
         }
 
     def _answer(self, future: Any, task: Task) -> Answer:
+        if future.status == "error":  # KilledWorker: those that had it died
+            why = f"its worker died: {future.exception()}"
+            return Answer(task, exit_code=Exit.BUG, fault=why, died=True)
         if future.status != "finished":
-            # KilledWorker, or lost: the workers that had it died
-            why = future.exception() if future.status == "error" else future.status
-            return Answer(task, exit_code=Exit.BUG, fault=f"its worker died: {why}", died=True)
+            self._refuse_lost()
+            raise UnfinishedError(f"the Dask scheduler lost a point ({future.status}): --resume goes on")
         told = future.result()
         data = told.get("data")
         if data is not None:

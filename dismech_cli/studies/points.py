@@ -6,7 +6,7 @@ import hashlib
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import lru_cache
+from functools import cache, lru_cache
 from pathlib import Path
 
 from ..errors import ScenarioError
@@ -170,9 +170,14 @@ def _name(loaded: LoadedScenario) -> str:
     whole: Mapping[str, object] = {
         "scenario": loaded.text_hash,
         "files": files,
-        "version": installed_versions()["dismech"],
+        "version": _version(),
     }
     return hashlib.sha256(json.dumps(whole, sort_keys=True).encode()).hexdigest()[:16]
+
+
+@cache
+def _version() -> str:
+    return installed_versions()["dismech"]
 
 
 @lru_cache(maxsize=1024)

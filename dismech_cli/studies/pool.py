@@ -9,7 +9,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -23,6 +23,8 @@ from .task import Task
 
 # A run looks at the clock after each step; who does not come back some time after the limit hangs [s].
 _GRACE: Final = 2.0
+_COMPILES: Final = 300.0  # s that compiling may take beside that
+_MOMENT: Final = 0.2  # s
 _LOG_TAIL: Final = 2000  # bytes
 _MODULE: Final = f"{__package__}.child"
 
@@ -62,8 +64,8 @@ class Executor(Protocol):
     def room(self) -> int:
         """How many tasks it would take now."""
 
-    def warm(self, tasks: Sequence[Task]) -> None:
-        """Compile what these need before anything runs."""
+    def warm(self, tasks: Sequence[Task], stopped: Callable[[], bool]) -> None:
+        """Compile what these need before anything runs, until ``stopped()``."""
 
     def submit(self, task: Task) -> None:
         """Take a task; only where there is room."""
@@ -183,15 +185,18 @@ class LocalPool:
         """How many children are ready and have nothing to do."""
         return sum(slot.is_free for slot in self._slots)
 
-    def warm(self, tasks: Sequence[Task]) -> None:
-        """Compile by the first child, while the others import; if it dies, its points will tell."""
-        child = self._slots[0].child
+    def warm(self, tasks: Sequence[Task], stopped: Callable[[], bool]) -> None:
+        """Compile by the first child, while the others import; if it dies or hangs, its points will tell."""
+        slot = self._slots[0]
         for task in tasks:
-            child.ask(task, warm=True)
-            while True:
-                told = child.read()
-                if told is None:
-                    self._replace(self._slots[0])
+            slot.child.ask(task, warm=True)
+            deadline = (
+                float("inf") if task.limit is None else time.monotonic() + _COMPILES + hard_limit(task.limit)
+            )
+            while not stopped():
+                told = slot.child.read() if self._has_told(slot.child) else []
+                if told is None or time.monotonic() > deadline:
+                    self._replace(slot)
                     return
                 if any("warm" in line for line in told):
                     break
@@ -234,6 +239,12 @@ class LocalPool:
         for slot in self._slots:
             slot.child.forget()
         self._selector.close()
+
+    def _has_told(self, child: Child) -> bool:
+        """Whether a child says something, or has died, within a moment; others are looked at later."""
+        with selectors.DefaultSelector() as selector:
+            selector.register(child.pipe, selectors.EVENT_READ)
+            return bool(selector.select(_MOMENT))
 
     def _started(self) -> Child:
         child = Child(self._deterministic)

@@ -113,6 +113,7 @@ def sweep(request: Request, narrator: Narrator) -> Swept:
     Raises:
         ScenarioError: The scenario, a point or the folder is wrong.
         OutputError: A result cannot be written.
+        UnfinishedError: What ran the points elsewhere is gone.
     """
     whole = points_of(request.base, request.axes)
     mine = shard(whole, *request.shard)
@@ -123,10 +124,13 @@ def sweep(request: Request, narrator: Narrator) -> Swept:
     if removed := remove_dead(points):
         narrator.say(f"removed what {removed} killed processes left half done")
     with stop_on_signals() as stop:
-        if request.run:
-            _run(request, mine, folder, stop, narrator)
-        results = {one.id: Result.read(points / one.id) for one in whole if is_done(points, one.id)}
-        _tabulate(folder, name, whole, results)
+        try:
+            if request.run:
+                _run(request, mine, folder, stop, narrator)
+        finally:
+            results = {one.id: Result.read(points / one.id) for one in whole if is_done(points, one.id)}
+            _tabulate(folder, name, whole, results)
+    _tell_light(request, results, narrator)
     own = {point.id: results[point.id] for point in mine if point.id in results}
     code, message = _ending(mine, own, stop)
     return Swept(name=name, folder=folder, points=mine, results=own, code=code, message=message)
@@ -143,6 +147,14 @@ def _tell_doubts(points: Sequence[Point], narrator: Narrator) -> None:
         narrator.warn(doubt)
     if len(doubts) > _DOUBTS:
         narrator.warn(f"... and {len(doubts) - _DOUBTS} more warnings about points")
+
+
+def _tell_light(request: Request, results: Mapping[str, Result], narrator: Narrator) -> None:
+    count = sum(result.light for result in results.values())
+    if count and not request.light:
+        narrator.warn(
+            f"{count} points have a result alone, from an earlier --light: no frames to draw or compare"
+        )
 
 
 def _opened(folder: Path, request: Request, whole: Sequence[Point], narrator: Narrator) -> Path:
@@ -197,7 +209,7 @@ def _run(
     tasks = [Task.of(point, request.base, points.resolve(), request.limit, request.light) for point in todo]
     make = request.executor or _local(request, len(tasks))
     with closing(make(folder, narrator)) as executor:
-        executor.warm(_unlike(todo, tasks))
+        executor.warm(_unlike(todo, tasks), lambda: stop.requested)
         Worker(points, folder / FAILURES_FILE, narrator).work(tasks, executor, stop)
     remove_dead(points)  # of children that were ended
 

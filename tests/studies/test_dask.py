@@ -31,6 +31,7 @@ class Cluster:
     """A scheduler and its workers."""
 
     address: str
+    scheduler: subprocess.Popen[bytes]
     workers: tuple[subprocess.Popen[bytes], ...]
 
     @property
@@ -66,7 +67,7 @@ def cluster(arm: Path) -> Iterator[Cluster]:
             )
             workers.append(started("dask_worker", *given))
         wait_until(lambda: (arm / "dask_worker.log").read_text().count("Registered to") == 2, timeout=120)
-        yield Cluster(json.loads(file.read_text())["address"], tuple(workers))
+        yield Cluster(json.loads(file.read_text())["address"], scheduler, tuple(workers))
     finally:
         for process in (*workers, scheduler):
             process.kill()
@@ -123,6 +124,25 @@ def test_a_signal_stops_what_workers_run(nursery: Nursery, arm: Path, cluster: C
     wait_until(lambda: not left_over(arm / "out"), timeout=30)
     assert len(published(arm / "out")) <= count + 2
     assert count < 16
+
+
+@needs_dask
+@pytest.mark.slow
+def test_a_lost_scheduler_breaks_no_point(nursery: Nursery, arm: Path, cluster: Cluster):
+    sweep = nursery.start(arm, "sweep", "arm.yaml", "-o", "out", *SIXTEEN, *cluster.executor)
+    wait_until(lambda: published(arm / "out"), timeout=240)
+    cluster.scheduler.kill()
+    done = sweep.wait(timeout=120)
+    assert done.code == 130, done.stderr
+    assert "the Dask scheduler is gone: --resume goes on" in done.stderr
+    for worker in cluster.workers:
+        worker.kill()
+        worker.wait()
+    assert {row["status"] for row in rows_of(arm / "out")} == {"done"}
+    local = nursery.start(arm, "sweep", "arm.yaml", "-o", "out", *SIXTEEN, "--resume").wait(timeout=300)
+    assert local.code == 0, local.stderr
+    assert len(rows_of(arm / "out")) == 16
+    assert not left_over(arm / "out")
 
 
 @needs_dask
