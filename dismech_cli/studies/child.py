@@ -134,7 +134,7 @@ def _result(task: Task, work: Work) -> Result | None:
     except Exception as error:
         code, message = code_of(error), str(error) or repr(error)
         if code == Exit.BUG:
-            message = f"{message}\n{traceback.format_exc()}"
+            message = f"{error!r}\n{traceback.format_exc()}"
     wall = time.perf_counter() - tick
     late = code == Exit.INTERRUPTED and task.limit is not None and wall >= task.limit
     if code >= Exit.INTERRUPTED and not late:

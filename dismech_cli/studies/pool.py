@@ -25,7 +25,8 @@ from .task import Task
 _GRACE: Final = 2.0
 _COMPILES: Final = 300.0  # s that compiling may take beside that
 _MOMENT: Final = 0.2  # s
-_LOG_TAIL: Final = 2000  # bytes
+_LOG_TAIL: Final = 20_000  # bytes looked at
+_LOG_LINES: Final = 30
 _MODULE: Final = f"{__package__}.child"
 
 
@@ -134,10 +135,12 @@ class Child:
         return describe_exit(code)
 
     def last_lines(self) -> str:
-        """The end of what it wrote to its log."""
+        """The end of what it wrote to its log, without the long list of libraries after a crash."""
         size = self._log.seek(0, os.SEEK_END)
         self._log.seek(max(0, size - _LOG_TAIL))
-        return self._log.read().decode("utf-8", "replace").strip()
+        lines = self._log.read().decode("utf-8", "replace").splitlines()
+        told = [line for line in lines if line.strip() and not line.startswith("Extension modules:")]
+        return "\n".join(told[-_LOG_LINES:])
 
     def forget(self) -> None:
         """End it and throw its log away."""

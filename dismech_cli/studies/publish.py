@@ -140,7 +140,7 @@ def discard(work: Work) -> None:
 def withdraw(points: Path, id: str) -> None:
     """Take the result of a point away, so that it is made again: hidden first, so that it goes at once."""
     grave = Work(points / f".{id}.{uuid.uuid4().hex}", id)
-    with suppress(FileNotFoundError), output_errors(points / id, "remove"):
+    with output_errors(points / id, "remove"), suppress(FileNotFoundError):
         (points / id).rename(grave.hidden)
     discard(grave)
 

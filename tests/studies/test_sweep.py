@@ -136,7 +136,8 @@ def test_a_dry_run_lists_the_points(swept, arm):
 
 
 def test_points_that_die_hang_and_fail_do_not_stop_the_others(swept, arm):
-    trouble = "parameters.E=1 MPa=>segfault;parameters.E=2 MPa=>hang;parameters.E=3 MPa=>bug"
+    kinds = ("segfault", "hang", "bug", "noise")
+    trouble = ";".join(f"parameters.E={E}=>{kind}" for E, kind in zip(MODULI, kinds, strict=True))
     done = swept(*FOUR, "-j", 2, "--wall-limit", "3s", "--json", "--junit", "out.xml", TROUBLE=trouble)
     assert done.code == 3, done.stderr
     told = SWEEP.validate_python(json.loads(done.stdout))
@@ -213,22 +214,29 @@ def test_two_sweeps_in_one_folder_do_every_point_once(nursery, arm):
 
 @pytest.mark.slow
 def test_a_sweep_killed_at_any_moment_is_resumed(nursery, arm):
-    grid = ("--over", "parameters.E=1 MPa:9 MPa:9", "--over", "parameters.load=1,3,5,7,9", "--resume")
+    grid = ("--over", "parameters.E=1 MPa:9 MPa:9", "--over", "parameters.load=1:9:9", "--resume")
     chance = random.Random(20)
     seen: dict[Path, tuple[int, int]] = {}
+    killed_at_work = 0
     for _ in range(20):
+        before = left_over(arm / "out")
         process = slow_sweep(nursery, arm, grid, "0.05")
-        time.sleep(chance.uniform(0.0, 5.0))
+        # from the first point that is begun on, while others are run, published and cleared away
+        wait_until(lambda before=before: left_over(arm / "out") - before or len(published(arm / "out")) == 81)
+        time.sleep(chance.uniform(0.0, 3.0))
         process.signal(signal.SIGKILL)
         process.wait()
         wait_until(lambda: no_children(arm))
+        killed_at_work += bool(left_over(arm / "out"))
         for file in (arm / "out").glob("points/*/result.json"):
             stat = file.stat()
             assert json.loads(file.read_text())["exit_code"] == 0
             assert seen.setdefault(file, (stat.st_ino, stat.st_mtime_ns)) == (stat.st_ino, stat.st_mtime_ns)
-    done = nursery.call(arm, "sweep", "arm.yaml", *grid, "-o", "out")
+    assert killed_at_work >= 5
+    assert seen
+    done = nursery.start(arm, "sweep", "arm.yaml", *grid, "-o", "out").wait(timeout=400)
     assert done.code == 0, done.stderr
-    assert len(published(arm / "out")) == len(rows_of(arm / "out")) == 45
+    assert len(published(arm / "out")) == len(rows_of(arm / "out")) == 81
     assert not left_over(arm / "out")
     assert set(seen) <= set((arm / "out").glob("points/*/result.json"))
 

@@ -35,6 +35,8 @@ if sys.orig_argv[2:4] == ["-m", "dismech_cli.studies.child"] and "TROUBLE" in os
                     ctypes.string_at(0)
                 if kind == "hang":
                     time.sleep(1e6)
+                if kind == "noise":
+                    os.write(1, b"a library that prints\\n")
                 if kind == "bug":
                     raise KeyError("lost")
         time.sleep(float(os.environ.get("SLOWLY", "0")))
