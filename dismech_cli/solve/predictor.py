@@ -38,6 +38,12 @@ class Predictor:
                 yield followed
         yield plain
 
+    def still(self, problem: StageProblem, since: Since) -> FloatArray:
+        """Where the stage begins, with prescribed values in place."""
+        guess = since.q.copy()
+        prescribe(self._model.motions, guess, problem.stage.t_end, since)
+        return guess
+
     def pull(self, problem: StageProblem, q: FloatArray, moved: FloatArray) -> FloatArray:
         """Change of the residual (n,) per motion ``moved`` (n,) of what is held: K_fh dq_h."""
         whole, pulled = self._whole, np.empty_like(moved)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from math import sqrt
+from sys import maxsize
 from typing import TypeAlias
 
 from ..arrays import FloatArray, IntArray
@@ -85,12 +86,14 @@ class NewtonSettings:
         tolerance: Residual relative to the largest force in the model [1].
         max_iterations: Factorisations before giving up, of full steps and line search together.
         patience: Factorisations before a stage that need not be solved now is given up.
+        slow: Factorisations from which a solution is doubted, and asked for from another guess.
         factorize: Chooses the tangent, an entry of ``TANGENTS``.
     """
 
     tolerance: float = 1e-8
     max_iterations: int = 100
     patience: int = 100
+    slow: int = maxsize
     factorize: Factorize = exact
 
 

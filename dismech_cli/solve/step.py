@@ -18,6 +18,7 @@ from .newton import solve_stage
 from .predictor import Predictor
 from .problem import NewtonSettings, StageProblem
 from .result import NewtonResult
+from .second_guess import SLOW, confirmed
 from .stability import Stability
 from .status import Status
 from .system import System
@@ -105,10 +106,12 @@ class Stepper:
         self.model = model
         self.integrator = integrator
         self._settings = settings
+        self._moves = bool(model.mass.any())
         self._hasty = replace(settings, max_iterations=min(settings.patience, settings.max_iterations))
+        if self._moves and not model.changing:  # friction alone leaves more than one balance
+            self._hasty = replace(self._hasty, slow=SLOW)
         self._wanted = solver
         self.predictor = Predictor(model)
-        self._moves = bool(model.mass.any())
         self._massless = (model.mass == 0.0) & self._moves
         self._advance = through_stages if advance is None else advance
         self._analyses = 0
@@ -156,7 +159,8 @@ class Stepper:
     def attempt(self, start: State, dt: float) -> StepResult:
         """The same, but give up soon, and where a shorter step may take another way.
 
-        Slow convergence is how a wrong root announces itself. So does a tangent that is not positive
+        Slow convergence is how a wrong root announces itself: one that was slow to come is looked for from
+        elsewhere too. So does a tangent that is not positive
         definite at the solution: it is one of several, among them the motion that a step too long for
         something that buckles strides over. Short steps have one solution. Statics has no such steps:
         there an unstable balance is one.
@@ -245,6 +249,14 @@ def through_stages(
             return StepResult(
                 start, result.status, iterations, result.residual_norm, result.residual, result.worst
             )
+        if result.iterations >= settings.slow:
+            again = StageProblem(system, stage, latest.frames, settings)
+            sure, spent = confirmed(again, solve, latest.q, stepper.predictor.still(again, since), result)
+            iterations += spent
+            if not sure:
+                return StepResult(
+                    start, Status.AMBIGUOUS, iterations, result.residual_norm, result.residual, result.worst
+                )
         indefinite = indefinite or result.indefinite
         latest = stepper.accept(stage, latest, result.q)
     # What holds a mass also moves it, along its path and not as the integrator would have it.
