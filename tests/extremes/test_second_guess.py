@@ -1,4 +1,4 @@
-"""Wings that fold within a step: balances that a long step may take, all at a least of energy, are told apart."""
+"""Wings that fold within a step: the balances of a long step, each at a least of energy, are told apart."""
 
 from __future__ import annotations
 

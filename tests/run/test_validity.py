@@ -156,3 +156,42 @@ def test_a_resumed_run_remembers_what_was_passed() -> None:
             validity.look(shown)  # type: ignore[arg-type]
         seen.append(validity.doubts(("a", "b"), " s"))
     assert seen[0] == seen[1] == ("5.0 reached at t = 2 s near b, too far since t = 1 s: too far",)
+
+
+def driven_star(arms: list[list[float]], turn: float, radius: float, dimension: int) -> Deck:
+    """Rods of one edge each, joined at the origin; the last bends itself, the others are held."""
+    section = given_section() | {"radius": radius}
+    bodies = [
+        {
+            "type": "rod",
+            "name": f"arm{k}",
+            "material": "m",
+            "section": section,
+            "generate": {"shape": "line", "from": [0.0, 0.0, 0.0], "to": arm, "nodes": 2},
+        }
+        for k, arm in enumerate(arms)
+    ]
+    last = f"arm{len(arms) - 1}"
+    value = ramp(2.0 * np.tan(0.5 * turn) / 0.5)
+    return rod_deck(
+        {},
+        geometry=bodies,
+        dimension=dimension,
+        joints=[{"type": "rigid", "nodes": ["arm0.start", f"arm{k}.start"]} for k in range(1, len(arms))],
+        motions=[{"type": "clamp", "where": f"arm{k}", "at": "edge"} for k in range(len(arms) - 1)],
+        actuation=[{"type": "curvature_1", "rod": last, "value": value}],
+    )
+
+
+ELBOW = [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]
+TEE = [[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]
+
+
+@pytest.mark.parametrize(("arms", "dimension"), [(ELBOW, 2), (ELBOW, 3), (TEE, 2), (TEE, 3)])
+@pytest.mark.parametrize("turn", [2.0, 1.0])
+def test_corners_and_hubs_that_turn_too_far(ran: Any, arms: Any, dimension: int, turn: float) -> None:
+    doubts = ran(driven_star(arms, turn, 0.5 if turn > 1.5 else 0.01, dimension)).outcome.doubts
+    assert len(doubts) == (2 if turn > 1.5 else 0)
+    if doubts:
+        assert doubts[0].startswith("rods turn by 115 deg against each other at a joint or corner at t = 1")
+        assert "of its own radius at a joint or corner" in doubts[1]

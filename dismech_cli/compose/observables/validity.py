@@ -6,8 +6,11 @@ from math import degrees, pi
 
 import numpy as np
 
+from ...arrays import FloatArray
 from ...kinematics.strains import rest_metric
 from ...run.observables.limits import (
+    CornerBend,
+    CornerTurn,
     Fold,
     LostArea,
     MembraneStrain,
@@ -20,12 +23,14 @@ from ...run.observables.limits import (
 from ...run.validity import Check
 from ..elastic.rods import RodEnergies
 from ..scene import Scene
+from ..structure.joints import Joints
 from ..structure.structure import Structure
 
 SMALL_STRAIN = 0.2  # that linear stretching means
 COLLAPSED = 0.99  # of its area lost
 FOLDED = 5.0 / 6.0 * pi  # [rad] between two triangles: one has turned over, or lies on the other
 SHARP = 0.5 * pi  # [rad] at one joint
+_TIGHT = "tighter than a rod of that radius can"
 _FURTHER = "linear materials mean up to 20 %; those of model neo_hookean stretch further"
 
 
@@ -36,6 +41,7 @@ def make_checks(scene: Scene, structure: Structure, rods: RodEnergies) -> tuple[
         *_triangles(scene, structure),
         *_edges(scene, rods),
         *_joints(scene, structure),
+        *_corners(scene, structure, rods),
     )
 
 
@@ -101,13 +107,43 @@ def _joints(scene: Scene, structure: Structure) -> list[Check]:
         lambda value: f"a rod turns by {degrees(value):.0f} deg at one node",
         "a finer mesh would turn by less",
     )
-    radius = scene.geometry.per_edge("radius")
-    radius = np.concatenate((radius, radius[structure.skeleton.owners]))[joints.pairs].max(axis=1)
+    slenderness = _thicker(scene, structure, joints) / joints.voronoi
     bent = Check(
-        RodBend(triples, radius / joints.voronoi, 2.0 * np.tan(0.5 * at_rest)),
+        RodBend(triples, slenderness, 2.0 * np.tan(0.5 * at_rest)),
         1.0,
         triples[:, 1],
         lambda value: f"a rod bends to {1.0 / value:.2g} of its own radius",
-        "tighter than a rod of that radius can",
+        _TIGHT,
     )
     return [turned, bent]
+
+
+def _corners(scene: Scene, structure: Structure, rods: RodEnergies) -> list[Check]:
+    """Two edges at an angle; the edges at a hub, each against the others."""
+    if rods.corners is None:
+        return []
+    strains, corners = rods.corners.strains, structure.skeleton.corners
+    turned = Check(
+        CornerTurn(strains, corners.voronoi),
+        SHARP,
+        strains.nodes,
+        lambda value: f"rods turn by {degrees(value):.0f} deg against each other at a joint or corner",
+        "a finer mesh would turn by less",
+    )
+    bent = Check(
+        CornerBend(strains, _thicker(scene, structure, corners)),
+        1.0,
+        strains.nodes,
+        lambda value: f"a rod bends to {1.0 / value:.2g} of its own radius at a joint or corner",
+        _TIGHT,
+    )
+    return [turned, bent]
+
+
+def _thicker(scene: Scene, structure: Structure, joints: Joints) -> FloatArray:
+    """Radius of the thicker edge of each joint [m], shape (J,)."""
+    radius = scene.geometry.per_edge("radius")
+    thicker: FloatArray = np.concatenate((radius, radius[structure.skeleton.owners]))[joints.pairs].max(
+        axis=1
+    )
+    return thicker

@@ -8,6 +8,7 @@ import numpy as np
 
 from ...arrays import FloatArray, IntArray
 from ...mesh.measure import area_vectors, edge_lengths, triangle_areas
+from .corners import CornerStrains
 from .snapshot import Snapshot
 
 
@@ -135,6 +136,40 @@ class RodBend:
     def __call__(self, s: Snapshot) -> FloatArray:
         """Values (J,)."""
         return self.slenderness * (2.0 * np.tan(0.5 * turns(s.positions, self.triples)) - self.rest)
+
+
+@dataclass(frozen=True, slots=True)
+class CornerTurn:
+    """Angle by which the edges at each corner, or at each edge of a hub, turn more than at rest [rad].
+
+    Attributes:
+        corners: The corners.
+        voronoi: Length over which each bends [m], shape (K,).
+    """
+
+    corners: CornerStrains
+    voronoi: FloatArray
+
+    def __call__(self, s: Snapshot) -> FloatArray:
+        """Values (K,)."""
+        return np.asarray(2.0 * np.arctan(0.5 * self.voronoi * self.corners.curvature(s)))
+
+
+@dataclass(frozen=True, slots=True)
+class CornerBend:
+    """Curvature by which each corner has bent from rest, times the radius.
+
+    Attributes:
+        corners: The corners.
+        radius: Of the thicker edge [m], shape (K,).
+    """
+
+    corners: CornerStrains
+    radius: FloatArray
+
+    def __call__(self, s: Snapshot) -> FloatArray:
+        """Values (K,)."""
+        return np.asarray(self.radius * self.corners.curvature(s))
 
 
 def turns(positions: FloatArray, triples: IntArray) -> FloatArray:
