@@ -7,6 +7,9 @@ from ..errors import MeshError
 MAX_COUNT = 2_000_000
 """Largest number of nodes, edges or triangles of one mesh."""
 
+MAX_GENERATED = 500_000
+"""Largest number of triangles of a generated surface; a run of more takes over 10 GB."""
+
 MAX_COORDINATE = 1e12
 """Largest coordinate [m]; beyond it, products of coordinates lose all meaning."""
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import time
+
 import pytest
 
 from dismech_cli.compose import sizes
@@ -113,3 +115,39 @@ def test_a_scene_larger_than_the_machine_is_refused_with_its_place(monkeypatch: 
     assert "make the mesh coarser" in first
     monkeypatch.setattr(sizes, "machine_memory", lambda: 2.0 * needed)
     compose(load_text(text))
+
+
+SURFACES = {
+    "sheet": "origin: [0, 0, 0], length: 1, width: 1, divisions: {}, pattern: equilateral",
+    "right": "origin: [0, 0, 0], length: 1, width: 1, divisions: {}, pattern: right",
+    "unstructured": "origin: [0, 0, 0], length: 1, width: 1, divisions: {}, pattern: unstructured",
+    "long": "origin: [0, 0, 0], length: 1e-3, width: {}, divisions: 1",
+    "cylinder": "origin: [0, 0, 0], radius: 0.16, length: 1, divisions: {}, pattern: right",
+    "sphere": "center: [0, 0, 0], radius: 1, polar: [30 deg, 150 deg], divisions: {}, pattern: right",
+    "disc": "center: [0, 0, 0], radius: 1, rings: {}",
+    "annulus": "center: [0, 0, 0], inner_radius: 0.5, outer_radius: 1, rings: {}",
+    "hemisphere": "center: [0, 0, 0], radius: 1, rings: {}",
+}
+
+
+@pytest.mark.parametrize("divisions", [1000, 3000, 30000])
+@pytest.mark.parametrize("name", SURFACES)
+def test_large_surfaces_are_refused_before_they_are_made(name: str, divisions: int) -> None:
+    """About a million to a thousand million triangles."""
+    shape = name if name in ("cylinder", "sphere", "disc", "annulus", "hemisphere") else "sheet"
+    generate = f"{{shape: {shape}, {SURFACES[name].format(divisions)}}}"
+    sheet = f"{{type: shell, name: sheet, material: rubber, thickness: 1 mm, generate: {generate}}}"
+    text = ROD.replace("motions:", f"  - {sheet}\nmotions:")
+    began = time.process_time()
+    first = _fault(text).splitlines()[0]
+    assert time.process_time() - began < 1.0
+    assert "geometry[1].generate: " in first
+    assert "triangles" in first
+
+
+def test_counts_of_rings_are_bounded_too() -> None:
+    sheet = (
+        "{type: shell, name: sheet, material: rubber, thickness: 1 mm, generate: "
+        "{shape: disc, center: [0, 0, 0], radius: 1, rings: 2, counts: [150000, 150000]}}"
+    )
+    assert "disc: 6e+05 triangles" in _fault(ROD.replace("motions:", f"  - {sheet}\nmotions:"))

@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 
 from ...arrays import FloatArray
 from ...errors import MeshError
-from ..limits import MAX_COORDINATE, check_count
+from ..limits import MAX_COORDINATE, MAX_GENERATED, check_count
 
 
 def vector(value: ArrayLike, name: str, where: str) -> FloatArray:
@@ -64,3 +64,15 @@ def check_divisions(count: int, where: str) -> None:
     """
     if count < 1:
         raise MeshError(f"{where}: {count} divisions; expected at least 1")
+
+
+def check_triangles(count: float, where: str) -> None:
+    """Refuse surfaces of too many triangles, from a count that is known before they are made.
+
+    Raises:
+        MeshError: Naming the count.
+    """
+    if not count <= MAX_GENERATED:
+        raise MeshError(
+            f"{where}: {count:.3g} triangles; a generated surface may have {MAX_GENERATED}; make it coarser"
+        )

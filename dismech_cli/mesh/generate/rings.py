@@ -11,7 +11,7 @@ from ...errors import MeshError
 from ..limits import check_count
 from ..mesh import Mesh
 from ..validate import validate
-from .checks import check_divisions, check_positive
+from .checks import check_divisions, check_positive, check_triangles
 
 
 def disc(radius: float, rings: int, *, counts: Sequence[int] | None = None) -> Mesh:
@@ -30,7 +30,8 @@ def disc(radius: float, rings: int, *, counts: Sequence[int] | None = None) -> M
     """
     check_positive(radius, "radius", "disc")
     check_divisions(rings, "disc")
-    check_count(3 * rings * rings, "nodes", "disc")
+    if counts is None:
+        check_triangles(6.0 * rings * rings, "disc")
     numbers = [6 * (ring + 1) for ring in range(rings)] if counts is None else counts
     radii = radius * (np.arange(rings) + 1) / rings
     return _rings("disc", radii, np.zeros(rings), numbers, np.zeros(3), ("center", "rim"))
@@ -105,7 +106,7 @@ def hemisphere(
 def _even_counts(where: str, lengths: FloatArray, step: float) -> list[int]:
     """Nodes of circles of given lengths, for edges as long as those of equilateral rows ``step`` apart."""
     numbers = np.maximum(np.round(lengths / (step * 2.0 / np.sqrt(3.0))), 5.0)
-    check_count(int(min(numbers.sum(), 1e18)), "nodes", where)
+    check_triangles(2.0 * float(numbers.sum()), where)
     return [int(number) for number in numbers]
 
 
@@ -120,7 +121,7 @@ def _rings(
     """Triangulate between circles of nodes, each starting at angle 0, around an optional centre node."""
     if len(counts) != len(radii) or min(counts) < 3:
         raise MeshError(f"{where}: counts {list(counts)[:20]}; expected {len(radii)} numbers of at least 3")
-    check_count(sum(counts), "nodes", where)
+    check_triangles(2.0 * sum(counts), where)
     points = [] if center is None else [center[None]]
     triangles = []
     start = 0 if center is None else 1

@@ -8,11 +8,14 @@ from enum import Enum
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
-from ..limits import check_count
+from ...errors import MeshError
 from ..mesh import Mesh
 from ..validate import validate
-from .checks import check_divisions, check_positive
+from .checks import check_divisions, check_positive, check_triangles
 from .unstructured import smallest_angle, unstructured_sheet
+
+MAX_ROWS = 100_000
+"""Most rows of triangles of a sheet, as its divisions."""
 
 
 class Pattern(Enum):
@@ -46,8 +49,12 @@ def sheet(length: float, width: float, divisions: int, pattern: Pattern = Patter
     check_positive(length, "length", "sheet")
     check_positive(width, "width", "sheet")
     check_divisions(divisions, "sheet")
-    cells = width / length * divisions
-    check_count(int(min(2.0 * divisions * max(cells, 1.0), 1e18)), "triangles", "sheet")
+    cells = max(width / length * divisions, 1.0)
+    check_triangles(2.0 * divisions * cells, "sheet")
+    if cells > MAX_ROWS:
+        raise MeshError(
+            f"sheet: {cells:.3g} rows of triangles; expected at most {MAX_ROWS}: make it shorter or coarser"
+        )
     nodes, triangles = _SHEETS[pattern](length, width, divisions)
     x, y = nodes[:, 0], nodes[:, 1]
     sides = {"left": x == 0.0, "right": x == length, "bottom": y == 0.0, "top": y == width}
