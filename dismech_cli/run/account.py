@@ -69,15 +69,25 @@ class EnergyAccount:
         self.sums["initial"] = 0.0
         self.sums["initial"] = self.measure(state)["error"]
 
-    def advance(self, before: State, after: State, put_in: float = 0.0) -> None:
-        """Book the work of the step between two states, and energy [J] that its changes of terms put in."""
+    def advance(
+        self, before: State, after: State, put_in: float = 0.0, between: Sequence[State] = ()
+    ) -> None:
+        """Book the work of a step.
+
+        Args:
+            before: Its start.
+            after: Its end.
+            put_in: Energy that its changes of terms put in [J].
+            between: The ends of all stages but the last.
+        """
         work, sums = self._work, self.sums
         if put_in:
             self._last = None  # it was seen with other terms
             sums["external_work"] += put_in
         start, end = self._see(before), self._see(after)
-        sums["external_work"] += work.of_holds(start, end)
-        loads, dissipated, rubbed = work.of_forces(before, after)
+        parts = work.parts(start, between, end)
+        sums["external_work"] += work.of_holds(start, end, parts)
+        loads, dissipated, rubbed = work.of_forces(before, after, parts)
         sums["external_work"] += loads
         sums["dissipation"] += dissipated + rubbed
         sums["friction"] += rubbed

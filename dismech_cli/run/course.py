@@ -177,7 +177,7 @@ class Course:
             What the frame shows, if one was due.
         """
         dt = result.state.t - self.state.t
-        self.account.advance(self.state, result.state, result.put_in)
+        self.account.advance(self.state, result.state, result.put_in, result.between)
         self._tell_contact(result.state)
         self.state = result.state
         self.control = self.control.accepted(result)

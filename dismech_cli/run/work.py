@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 
-from ..arrays import FloatArray, IntArray
+from ..arrays import BoolArray, FloatArray, IntArray
 from ..kinematics.rod_frames import Frames, TrialFrames
 from ..model.configuration import Configuration
 from ..model.model import Model
@@ -40,6 +41,19 @@ class Known:
         return Configuration(other.law_time, self.state.q, self.state.v, self.transported, other.inputs)
 
 
+@dataclass(frozen=True, slots=True)
+class Part:
+    """A part of a step.
+
+    Attributes:
+        mean: Its mean state.
+        moved: The way gone, shape (n,).
+    """
+
+    mean: Configuration
+    moved: FloatArray
+
+
 class Work:
     """Measures work with the bound terms of one system."""
 
@@ -66,12 +80,27 @@ class Work:
         self._dissipative = [bound[name] for name in roles.dissipative]
         self._friction = [term for term in system.changing if term.name in roles.friction]
 
-    def of_holds(self, before: Known, after: Known) -> float:
+    def parts(self, before: Known, between: Sequence[State], after: Known) -> tuple[Part, ...]:
+        """A step by its stages, each with its mean state.
+
+        Forces at the mean state of a long step are others where much turns or bends in it. Where damping is
+        stiff, velocities at the ends of stages ring, but not so their means.
+
+        Args:
+            before: The start.
+            between: The ends of all stages but the last.
+            after: The end.
+        """
+        if not self._loads and not self._dissipative:
+            return ()
+        known = (before.state, *between, after.state)
+        return tuple(Part(*self._mean(start, end)) for start, end in pairwise(known))
+
+    def of_holds(self, before: Known, after: Known, parts: Sequence[Part]) -> float:
         """Of what holds and drives: against all forces by the trapezoidal rule, and on masses.
 
         Mean forces, not forces of the mean state: there, edges that turn are shorter. What resists
-        velocity does so at the mean state, as in :meth:`of_forces`: where damping is stiff, velocities at
-        the ends of a step ring.
+        velocity does so at the mean states of the stages, as in :meth:`of_forces`.
         """
         moving = self._moving
         if not moving.size:
@@ -82,28 +111,25 @@ class Work:
         if path.any():
             work += 0.5 * float((self._resistance(before) + self._resistance(after)) @ path)
             if self._damping:
-                c, moved = self._mean(before.state, after.state)
-                held = np.zeros_like(moved)
-                held[moving] = path
-                work += _against(self._damping, c, held)
+                still = np.ones(len(after.state.q), dtype=np.bool_)
+                still[moving] = False
+                work += _spent(self._damping, parts, still)
         return work
 
-    def of_forces(self, before: State, after: State) -> tuple[float, float, float]:
-        """From outside, and into drag and into friction: at the mean state, with second-order accuracy.
+    def of_forces(self, before: State, after: State, parts: Sequence[Part]) -> tuple[float, float, float]:
+        """From outside, and into drag and into friction: at mean states, with second-order accuracy.
 
         Friction comes and goes within a step: it is taken as the step ends, where it is in balance. What it
         turns into heat beyond what the robot gives comes from obstacles that move.
         """
-        if not self._loads and not self._dissipative and not self._friction:
-            return 0.0, 0.0, 0.0
-        c, moved = self._mean(before, after)
         rubbed = carried = 0.0
         if self._friction:
+            c, moved = self._mean(before, after)
             frames = self._model.frames.transport(after.frames, after.q)
             end = Configuration(after.law_time, after.q, after.v, frames, after.inputs)
             rubbed = (after.t - before.t) * sum(term.heat(end, c.v) for term in self._friction)
             carried = rubbed - _against(self._friction, end, moved)
-        return carried - _against(self._loads, c, moved), _against(self._dissipative, c, moved), rubbed
+        return carried - _spent(self._loads, parts), _spent(self._dissipative, parts), rubbed
 
     def in_time(self, terms: Sequence[BoundEnergy], before: Known, after: Known) -> float:
         """Of what changes energies at a fixed shape: the mean of that at both shapes."""
@@ -156,6 +182,15 @@ def _near(model: Model, roles: Roles, moving: IntArray) -> Iterator[Term]:
         near = elastic[term.name].touching(mask) if term.name in elastic else term
         if near is not None:
             yield near
+
+
+def _spent(terms: Sequence[BoundTerm], parts: Sequence[Part], still: BoolArray | None = None) -> float:
+    """Work done against terms in the parts of a step; on all DOFs, or on those that are not ``still``."""
+    work = 0.0
+    for part in parts if terms else ():
+        moved = part.moved if still is None else np.where(still, 0.0, part.moved)
+        work += _against(terms, part.mean, moved)
+    return work
 
 
 def _against(terms: Sequence[BoundTerm], c: Configuration, moved: FloatArray) -> float:

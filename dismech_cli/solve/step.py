@@ -38,6 +38,7 @@ class StepResult:
         indefinite: Whether the tangent of a stage is known to have a negative eigenvalue at its solution.
         arrived: Whether this is where a path was to end.
         put_in: Energy [J] that came from nothing moving: contact that was made stiffer.
+        between: The ends of all stages but the last.
     """
 
     state: State
@@ -49,6 +50,7 @@ class StepResult:
     indefinite: bool = False
     arrived: bool = False
     put_in: float = 0.0
+    between: tuple[State, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -234,6 +236,7 @@ def through_stages(
 ) -> StepResult:
     """All stages of the integrator, each by a solver for its balance."""
     system, latest, iterations, indefinite = stepper.system, start, 0, False
+    passed: tuple[State, ...] = ()
     for index in range(stepper.integrator.stages):
         stage = stepper.integrator.stage(index, start, latest, dt)
         ahead = StageProblem(system, stage, latest.frames, settings)
@@ -259,11 +262,19 @@ def through_stages(
                 )
         indefinite = indefinite or result.indefinite
         latest = stepper.accept(stage, latest, result.q)
+        passed = (*passed, latest)
     # What holds a mass also moves it, along its path and not as the integrator would have it.
     held = stepper.held
     wanted = mean_acceleration(start, latest, dt)[held]
     inertia = stepper.model.mass[held] * (wanted - stage.acceleration(result.q)[held])
     result.residual[held] += inertia
     return StepResult(
-        latest, Status.CONVERGED, iterations, result.residual_norm, result.residual, -1, indefinite
+        latest,
+        Status.CONVERGED,
+        iterations,
+        result.residual_norm,
+        result.residual,
+        -1,
+        indefinite,
+        between=passed[:-1],
     )
