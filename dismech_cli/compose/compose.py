@@ -21,7 +21,7 @@ from .initial.signature import signature
 from .initial.start import make_start
 from .loads.table import Forces, make_forces
 from .nets import net_decisions
-from .numerics import build_integrator, build_newton, check_linear_solver, follows_path, times
+from .numerics import build_integrator, build_newton, check_linear_solver, follows_path
 from .observables.fields import make_fields, make_topology
 from .observables.labels import node_labels
 from .observables.probes import make_probes, make_watched
@@ -29,6 +29,7 @@ from .observables.validity import make_checks
 from .path import make_advance
 from .scene import Scene, make_scene
 from .sizes import refuse_oversized
+from .stepping import make_stepping
 from .structure.holds import drives, resolve_holds
 from .structure.masses import mass_matrix
 from .structure.plan import Plan, make_plan
@@ -85,9 +86,11 @@ def compose(
     probes = make_probes(scene, structure)
     fields = make_fields(scene, structure, elastic.rods)
     columns = scalar_columns(roles, probes, LOAD_COLUMNS if follows_path(loaded) else {})
-    numerics, (control, every) = loaded.scenario.numerics, times(loaded)
+    numerics = loaded.scenario.numerics
     model = _model(scene, structure, (*elastic.terms, *elastic.damping, *forces.all), changing.terms)
     start = make_start(scene, structure, model.motions)
+    state = deviation.pushed(start.state, structure.dofs, structure.frames)
+    stepping = make_stepping(loaded, model, state.q)
     simulation = Simulation(
         name=loaded.scenario.name,
         model=model,
@@ -97,10 +100,11 @@ def compose(
             numerics, driven=any(map(drives, holds)), touching=loaded.scenario.contact is not None
         ),
         linear_solver=numerics.linear_solver,
-        control=control,
+        control=stepping.control,
         advance=make_advance(scene, structure, model),
-        frame_every=every,
-        start=deviation.pushed(start.state, structure.dofs, structure.frames),
+        frame_every=stepping.every,
+        looks=stepping.looks,
+        start=state,
         topology=make_topology(scene, structure, fields, columns),
         fields=fields,
         probes=probes,

@@ -5,9 +5,6 @@ from __future__ import annotations
 from ..kernels.driver import Driver
 from ..kernels.numba_driver import NumbaDriver
 from ..kernels.numpy_driver import NumpyDriver
-from ..run.clock import Clock, time_grid
-from ..run.path_control import PathControl
-from ..run.step_control import StepControl
 from ..scenario.language import numerics
 from ..scenario.load import LoadedScenario
 from ..solve import integrators
@@ -38,6 +35,13 @@ def build_integrator(spec: numerics.Integrator) -> integrators.Integrator:
 # Of what Newton leaves, statics keeps all and dynamics a part that time steps bury: measured on 28 scenes,
 # 1e-5 changes 0.3 % of the error in time and saves a fifth of the iterations.
 _STATIC_TOLERANCE, _DYNAMIC_TOLERANCE = 1e-8, 1e-5
+# Adaptive steps that are to be far more accurate need a balance that is too.
+_PART_OF_ERROR = 0.01
+
+
+def _dynamic_tolerance(spec: numerics.Numerics) -> float:
+    wanted = spec.step.rtol if spec.adapts else None
+    return _DYNAMIC_TOLERANCE if wanted is None else min(_DYNAMIC_TOLERANCE, _PART_OF_ERROR * wanted)
 
 
 def build_newton(spec: numerics.Numerics, *, driven: bool, touching: bool) -> NewtonSettings:
@@ -51,7 +55,7 @@ def build_newton(spec: numerics.Numerics, *, driven: bool, touching: bool) -> Ne
     newton = spec.newton
     if not isinstance(spec.integrator, numerics.Static):
         return NewtonSettings(
-            tolerance=newton.tolerance or _DYNAMIC_TOLERANCE,
+            tolerance=newton.tolerance or _dynamic_tolerance(spec),
             max_iterations=newton.max_iterations,
             patience=spec.step.patience,
             factorize=TANGENTS[newton.projection or ("indefinite" if touching else "none")],
@@ -86,21 +90,3 @@ def check_linear_solver(loaded: LoadedScenario) -> None:
             ("numerics", "linear_solver"),
             "pypardiso with its MKL library is not installed: pip install pypardiso, or choose auto",
         )
-
-
-def times(loaded: LoadedScenario) -> tuple[StepControl, float]:
-    """What decides how far steps go, and the time between frames [s]."""
-    scenario = loaded.scenario
-    every, integrator = scenario.output.every, scenario.numerics.integrator
-    cuts = scenario.numerics.step.max_cuts
-    if isinstance(integrator, numerics.Static):
-        if integrator.path is not None:
-            path = integrator.path
-            first = min(path.first, path.largest)
-            return PathControl(first, path.largest, path.steps, cuts), every or 0.0
-        return Clock(time_grid(1.0 / integrator.steps, 1.0), cuts), every or 0.0
-    dt, t_end = scenario.numerics.dt, scenario.numerics.t_end
-    assert dt is not None
-    assert t_end is not None
-    releases = tuple(m.release for m in scenario.motions if m.release is not None)
-    return Clock(time_grid(dt, t_end, releases), cuts), every or t_end / 100.0

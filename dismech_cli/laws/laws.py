@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any, Literal, Protocol, TypeAlias
+from math import inf
+from typing import Any, ClassVar, Literal, Protocol, TypeAlias
 
 import numpy as np
 
@@ -22,6 +23,23 @@ class Law(Signal, Protocol):
 
     def __call__(self, t: float, s: Value = 0.0) -> Value:
         """The value at ``t``: a float, or an array of the shape of ``s`` if that is an array."""
+
+    def kinks(self, end: float) -> FloatArray:
+        """Known times in (0, ``end``) at which the value or its slope jumps [s], increasing."""
+
+    @property
+    def cycle(self) -> float:
+        """Period after which it repeats [s]; infinite if none is known."""
+
+
+def _within(times: FloatArray, end: float) -> FloatArray:
+    """The times between 0 and ``end``, once each and in order."""
+    return np.unique(times[(times > 0.0) & (times < end)])
+
+
+def _no_kinks(law: Law, end: float) -> FloatArray:
+    """None that is known."""
+    return np.empty(0)
 
 
 def _without_inputs(law: Law, t: float, inputs: FloatArray, places: Value = 0.0) -> Value:
@@ -46,6 +64,8 @@ class Constant:
 
     level: float
     value = _without_inputs
+    kinks = _no_kinks
+    cycle: ClassVar[float] = inf
 
     @property
     def constant(self) -> bool:
@@ -67,6 +87,8 @@ class Proportional:
 
     slope: float
     value = _without_inputs
+    kinks = _no_kinks
+    cycle: ClassVar[float] = inf
 
     @property
     def constant(self) -> bool:
@@ -116,6 +138,12 @@ class Table:
         return _table, (self.times, self.values, self.interpolation)
 
     value = _without_inputs
+    cycle: ClassVar[float] = inf
+
+    def kinks(self, end: float) -> FloatArray:
+        """Its times; of a spline, which is smooth inside, the first and the last."""
+        times = np.array(self.times)
+        return _within(times[[0, -1]] if self.interpolation == "cubic" else times, end)
 
     @property
     def constant(self) -> bool:
@@ -152,6 +180,11 @@ class Ramp:
     end: float
 
     value = _without_inputs
+    cycle: ClassVar[float] = inf
+
+    def kinks(self, end: float) -> FloatArray:
+        """Its start and end."""
+        return _within(np.array([self.start, self.end]), end)
 
     @property
     def constant(self) -> bool:
@@ -164,6 +197,11 @@ class Ramp:
         return _spread(self.before + (self.after - self.before) * part, s)
 
 
+def _cycle(frequency: float) -> float:
+    """Period of a frequency [Hz]."""
+    return 1.0 / abs(frequency) if frequency else inf
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Sine:
     """``offset + amplitude sin(2 pi frequency t + phase)``; frequency [Hz], phase [rad]."""
@@ -174,6 +212,12 @@ class Sine:
     offset: float = 0.0
 
     value = _without_inputs
+    kinks = _no_kinks
+
+    @property
+    def cycle(self) -> float:
+        """One over the frequency."""
+        return _cycle(self.frequency)
 
     @property
     def constant(self) -> bool:
@@ -197,6 +241,21 @@ class Sawtooth:
     width: float = 1.0
 
     value = _without_inputs
+
+    @property
+    def cycle(self) -> float:
+        """One over the frequency."""
+        return _cycle(self.frequency)
+
+    def kinks(self, end: float) -> FloatArray:
+        """Where it turns round or jumps."""
+        if not self.frequency:
+            return np.empty(0)
+        first = self.phase / (2 * np.pi)
+        last = first + self.frequency * end
+        whole = np.arange(np.floor(min(first, last)), np.ceil(max(first, last)) + 1.0)
+        turns = np.concatenate((whole, whole + self.width))
+        return _within((turns - first) / self.frequency, end)
 
     @property
     def constant(self) -> bool:
@@ -233,6 +292,8 @@ class Expression:
         return Expression, (self.text, self.places)
 
     value = _without_inputs
+    kinks = _no_kinks
+    cycle: ClassVar[float] = inf
 
     @property
     def constant(self) -> bool:

@@ -49,6 +49,8 @@ class EnergyAccount:
         self._changing: Sequence[BoundEnergy] = ()
         self._pushed: Sequence[BoundEnergy] = ()
         self.sums = dict.fromkeys(self.columns, 0.0)
+        # the sums at the start of the last step, and its ends
+        self._before, self._span = dict(self.sums), (0.0, 0.0)
 
     def bind(self, system: System, t: float) -> None:
         """Use the bound terms of a system from time ``t`` [s] on, with the DOFs that are held then."""
@@ -81,6 +83,7 @@ class EnergyAccount:
             between: The ends of all stages but the last.
         """
         work, sums = self._work, self.sums
+        self._before, self._span = dict(sums), (before.t, after.t)
         if put_in:
             self._last = None  # it was seen with other terms
             sums["external_work"] += put_in
@@ -96,7 +99,7 @@ class EnergyAccount:
         sums["external_work"] += work.by_movers(self._pushed, start, end)
 
     def measure(self, state: State) -> Mapping[str, float]:
-        """All entries of the account at ``state`` [J]."""
+        """All entries of the account at ``state`` [J]; within a step, work as if done evenly."""
         c = self._see(state).at(state)
         entries = {"kinetic": 0.5 * float(self._model.mass @ (state.v * state.v))}
         parts = dict.fromkeys(self._roles.shares, 0.0)
@@ -108,11 +111,12 @@ class EnergyAccount:
         entries["gravitational"] = sum(float(term.energy(c).sum()) for term in self._gravitational)
         entries["contact"] = sum(float(term.energy(c).sum()) for term in self._contact)
         entries["total"] = sum(entries[name] for name in ("kinetic", "elastic", "gravitational", "contact"))
-        s = self.sums
+        s = self._sums_at(state.t)
         entries["external_work"] = s["external_work"] + s["actuation_work"]
         entries["dissipation"] = s["dissipation"]
         entries["friction"] = s["friction"]
         entries["error"] = entries["total"] - s["initial"] - entries["external_work"] + s["dissipation"]
+        s = self.sums
         s["largest"] = max(s["largest"], entries["kinetic"] + abs(entries["elastic"] + entries["contact"]))
         return entries
 
@@ -156,6 +160,14 @@ class EnergyAccount:
         given = abs(entries["external_work"]) + abs(entries["dissipation"]) + abs(self.sums["initial"])
         given += abs(entries["gravitational"]) + self._stillness(seconds)
         return entries["error"] > _RUNAWAY * given
+
+    def _sums_at(self, t: float) -> Mapping[str, float]:
+        """The sums at a time [s] of the last step."""
+        start, end = self._span
+        if not start < t < end:
+            return self.sums
+        ahead = (end - t) / (end - start)
+        return {name: late - ahead * (late - self._before[name]) for name, late in self.sums.items()}
 
     def _stillness(self, seconds: float) -> float:
         """Energy [J] of a motion by a millionth of the robot's size in the time of the run: round-off."""

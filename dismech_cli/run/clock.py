@@ -51,6 +51,7 @@ class Clock:
     part: int = 0
     level: int = 0
     doubt: ClassVar[str] = ""
+    calmer: ClassVar[str] = "reduce numerics.dt"
 
     @property
     def t_end(self) -> float:
@@ -79,6 +80,13 @@ class Clock:
         """Whether the step is cut as often as it may be."""
         return self.level >= self.max_cuts
 
+    def shorter(self, dt: float) -> str:
+        """The change to a quarter of a step."""
+        return f"numerics.dt={0.25 * dt:.3g} s"
+
+    def refused(self, result: StepResult) -> None:
+        """None: a step that Newton's method solved may stand."""
+
     def accepted(self, result: StepResult) -> Clock:
         """The clock one step on; how the step went does not matter."""
         part, level = self.part + 1, self.level
@@ -106,6 +114,10 @@ class Clock:
         known = before.index + (2 if before.part else 1)
         if np.array_equal(self.grid[:known], before.grid[:known]):
             return replace(self, index=before.index, part=before.part, level=before.level)
+        return self.starting(t)
+
+    def starting(self, t: float) -> Clock:
+        """This clock with a grid that begins at ``t`` [s]."""
         later = self.grid[self.grid > t]
         # a time next to t is t, rounded
         near = later.size > 1 and later[0] - t < 1e-9 * (later[1] - later[0])
@@ -117,7 +129,7 @@ class Clock:
 
     def numbers(self) -> Numbers:
         """The place on the grid."""
-        return {"index": self.index, "part": self.part, "level": self.level}
+        return {"index": self.index, "part": self.part, "level": self.level, "done": int(self.done)}
 
     def restore(self, arrays: Arrays, numbers: Numbers) -> Clock:
         """The clock at the place that was saved."""

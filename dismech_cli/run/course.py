@@ -98,7 +98,9 @@ class Course:
             watched=watched,
             validity=validity,
             symmetry=Symmetry(stepper),
-            framing=Framing(simulation.frame_every, observer, watched, validity, sink, stopwatch),
+            framing=Framing(
+                simulation.frame_every, simulation.looks, observer, watched, validity, sink, stopwatch
+            ),
             singular=singular,
         )
 
@@ -114,6 +116,7 @@ class Course:
             "steps": count.steps,
             "iterations": count.iterations,
             "cuts": count.cuts,
+            "refused": count.refused,
             "frames": self.framing.frames,
             "analyses": self.stepper.analyses,
             **({"rebuilds": count.rebuilds} if contact else {}),
@@ -128,7 +131,8 @@ class Course:
         self._prepare()
         self.account.start(self.state)
         nothing = np.zeros_like(self.state.q)
-        return self._show(StepResult(self.state, Status.CONVERGED, 0, 0.0, nothing, -1), 0.0)
+        result = StepResult(self.state, Status.CONVERGED, 0, 0.0, nothing, -1)
+        return self._show(self.state, result, 0.0)
 
     def resume(self, arrays: Arrays, numbers: Numbers) -> None:
         """Start from a checkpoint."""
@@ -170,14 +174,21 @@ class Course:
         self.control = self.control.failed()
         self.counters.cuts += 1
 
+    def refuse(self, result: StepResult, shorter: StepControl) -> None:
+        """Take a step again that was not accurate, shortened."""
+        t = self.state.t
+        self.sink.event("step_refused", t, dt=result.state.t - t)
+        self.control = shorter
+        self.counters.refused += 1
+
     def accept(self, result: StepResult) -> Snapshot | None:
         """Book a step that reached its target, and go on from there.
 
         Returns:
             What the frame shows, if one was due.
         """
-        dt = result.state.t - self.state.t
-        self.account.advance(self.state, result.state, result.put_in, result.between)
+        before, dt = self.state, result.state.t - self.state.t
+        self.account.advance(before, result.state, result.put_in, result.trail[1:-1])
         self._tell_contact(result.state)
         self.state = result.state
         self.control = self.control.accepted(result)
@@ -185,7 +196,7 @@ class Course:
         tick = time.perf_counter()
         self.symmetry.look(self.state, self.control.t_end)
         self.stopwatch.book("observe", tick)
-        return self._show(result, dt)
+        return self._show(before, result, dt)
 
     def _tell_contact(self, after: State) -> None:
         """Events of contact in a step."""
@@ -204,8 +215,8 @@ class Course:
         count = self.counters
         self.sink.progress(Progress(self.state.t, self.control.t_end, dt, count.steps, count.iterations))
 
-    def _show(self, result: StepResult, dt: float) -> Snapshot | None:
-        return self.framing.see(result, dt, self.counters.iterations, last=self.control.done)
+    def _show(self, before: State, result: StepResult, dt: float) -> Snapshot | None:
+        return self.framing.see(before, result, dt, self.counters.iterations, last=self.control.done)
 
     def _prepare(self) -> None:
         """Make ready for a step: the account follows the stepper to other free DOFs."""

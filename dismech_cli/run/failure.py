@@ -129,7 +129,7 @@ def describe_failure(simulation: Simulation, last: Sequence[Attempt], *, cut: bo
         remedy = _RELAX
     lines.append(f"  advice: {advice}")
     if not static:
-        remedy = _stronger(simulation) if cut else _shorter(t - start)
+        remedy = _stronger(simulation) if cut else simulation.control.shorter(t - start)
     return Failure("\n".join(lines), remedy)
 
 
@@ -156,7 +156,7 @@ def describe_runaway(simulation: Simulation, shown: Snapshot, dt: float) -> Fail
             f"  advice: {_calmer(simulation)}",
         )
     )
-    return Failure(message, _stronger(simulation) or _shorter(dt))
+    return Failure(message, _stronger(simulation) or simulation.control.shorter(dt))
 
 
 def describe_infinite(simulation: Simulation, shown: Snapshot, dt: float) -> Failure:
@@ -182,7 +182,7 @@ def describe_infinite(simulation: Simulation, shown: Snapshot, dt: float) -> Fai
         lines.append(f"  advice: {_SMALLER if path else 'raise integrator.load_steps'}")
         return Failure("\n".join(lines))
     lines.append(f"  advice: {_calmer(simulation)}, or apply the loads more slowly")
-    return Failure("\n".join(lines), _shorter(dt))
+    return Failure("\n".join(lines), simulation.control.shorter(dt))
 
 
 def describe_unstable(simulation: Simulation, state: State) -> str:
@@ -244,7 +244,7 @@ def _known(shown: Snapshot, name: str) -> bool:
 def _calmer(simulation: Simulation) -> str:
     stronger = [i.name for i in _damping_more(simulation)]
     choice = f", or choose {' or '.join(stronger)}, which damp more" if stronger else ""
-    return f"reduce numerics.dt{choice}"
+    return f"{simulation.control.calmer}{choice}"
 
 
 def _damping_more(simulation: Simulation) -> list[Integrator]:
@@ -256,11 +256,6 @@ def _stronger(simulation: Simulation) -> str:
     """The change to what damps more, the most accurate of them; empty if nothing does."""
     stronger = max(_damping_more(simulation), key=lambda i: (i.order, i.damping), default=None)
     return f"numerics.integrator={{type: {stronger.name}}}" if stronger else ""
-
-
-def _shorter(dt: float) -> str:
-    """The change to a quarter of a step [s]."""
-    return f"numerics.dt={0.25 * dt:.3g} s"
 
 
 def _where(simulation: Simulation, dof: int) -> str:

@@ -4,8 +4,13 @@ from __future__ import annotations
 
 import time
 
+import numpy as np
+
+from ..arrays import FloatArray
 from ..model.saved import Arrays, Numbers
+from ..model.state import State
 from ..solve.step import StepResult
+from .looks import Looks
 from .observables.snapshot import Snapshot
 from .observe import Observer
 from .sink import Sink
@@ -15,7 +20,7 @@ from .watched import Watched
 
 
 class Framing:
-    """Reads the watched probes at every state, and writes a frame when one is due.
+    """Reads the watched probes at every look, and writes a frame when one is due.
 
     Implements :class:`~dismech_cli.model.saved.Saved`.
 
@@ -26,6 +31,7 @@ class Framing:
     def __init__(
         self,
         every: float,
+        looks: Looks,
         observer: Observer,
         watched: Watched,
         validity: Validity,
@@ -36,6 +42,7 @@ class Framing:
 
         Args:
             every: Time between frames [s].
+            looks: When to look.
             observer: Makes snapshots and frames.
             watched: Probes to read.
             validity: Looks at what frames show.
@@ -43,6 +50,7 @@ class Framing:
             stopwatch: Counts the time this takes.
         """
         self._every = every
+        self._looks = looks
         self._observer = observer
         self._watched = watched
         self._validity = validity
@@ -51,44 +59,68 @@ class Framing:
         self.frames = 0
         self._skipped = 0
         self._iterations = 0
+        self._residual = np.empty(0)
 
-    def see(self, result: StepResult, dt: float, iterations: int, *, last: bool) -> Snapshot | None:
-        """Look at an accepted state.
+    def see(
+        self, before: State, result: StepResult, dt: float, iterations: int, *, last: bool
+    ) -> Snapshot | None:
+        """Look at a step that was accepted.
 
         Args:
-            result: The step that led to it.
-            dt: Length of that step [s].
+            before: The state it began with; that of the result before the first step.
+            result: The step.
+            dt: Its length [s].
             iterations: Newton iterations of the run so far.
             last: Whether the run ends here, where a frame is always due.
 
         Returns:
-            What the frame shows, if one was due; it is not written where an energy is no number.
+            The end of the step if a frame was due on the way, or what has an energy that is no number,
+            of which no frame is written.
         """
-        due = result.state.t >= (self.frames + self._skipped) * self._every * (1.0 - 1e-12) or last
-        if not due and not self._watched:
-            return None
-        watch, tick = self._stopwatch, time.perf_counter()
-        snapshot = self._observer.snapshot(result.state, result.residual)
-        self._watched.read(snapshot)
-        if not due:
-            watch.book("observe", tick)
-            return None
-        if not snapshot.finite:
-            watch.book("observe", tick)
-            return snapshot
+        after, shown, tick = result.state, False, time.perf_counter()
+        due = (self.frames + self._skipped) * self._every
+        for t, framed in self._looks(before.t, after.t, due, self._every):
+            at_end = t == after.t
+            framed = framed or (at_end and last)
+            shown = shown or framed
+            if not (framed or self._watched or (at_end and shown)):
+                continue
+            snapshot = self._snapshot(before, result, t)
+            self._watched.read(snapshot)
+            if framed and not snapshot.finite:
+                self._stopwatch.book("observe", tick)
+                return snapshot
+            if framed:
+                tick = self._write(snapshot, dt, iterations, result.residual_norm, tick)
+        self._residual = result.residual
+        self._stopwatch.book("observe", tick)
+        return snapshot if shown else None
+
+    def _snapshot(self, before: State, result: StepResult, t: float) -> Snapshot:
+        """What a look at a time [s] of a step shows."""
+        after = result.state
+        if t == after.t:
+            return self._observer.snapshot(after, result.residual)
+        ahead = (after.t - t) / (after.t - before.t)
+        residual: FloatArray = result.residual - ahead * (result.residual - self._residual)
+        return self._observer.snapshot(self._observer.between(before, after, t), residual)
+
+    def _write(
+        self, snapshot: Snapshot, dt: float, iterations: int, residual_norm: float, tick: float
+    ) -> float:
+        """Write a frame; the tick after it."""
         self._validity.look(snapshot)
-        since = iterations - self._iterations
-        frame = self._observer.frame(self.frames, snapshot, dt, since, result.residual_norm, watch.wall)
+        watch, since = self._stopwatch, iterations - self._iterations
+        frame = self._observer.frame(self.frames, snapshot, dt, since, residual_norm, watch.wall)
         tick = watch.book("observe", tick)
         self._sink.frame(frame)
-        watch.book("write", tick)
         self.frames += 1
         self._iterations = iterations
-        return snapshot
+        return watch.book("write", tick)
 
     def arrays(self) -> Arrays:
-        """None."""
-        return {}
+        """Forces that were out of balance at the last state: reactions."""
+        return {"residual": self._residual}
 
     def numbers(self) -> Numbers:
         """The number of frames and how they are spaced, and the iterations at the last one."""
@@ -102,6 +134,7 @@ class Framing:
     def restore(self, arrays: Arrays, numbers: Numbers) -> Framing:
         """Go on after the last frame that was saved; where the spacing changed, at its next multiple."""
         self.frames, self._iterations = int(numbers["frames"]), int(numbers["iterations"])
+        self._residual = np.array(arrays["residual"])
         self._skipped, every = int(numbers["skipped"]), float(numbers["every"])
         if every != self._every and self._every > 0.0:
             shown = (self.frames - 1 + self._skipped) * every

@@ -136,6 +136,9 @@ def _advance(course: Course, limits: Limits, stop: StopRequest) -> Outcome:
                     return _failed(course, describe_failure(course.simulation, last, cut=cut))
                 course.cut(result)
                 continue
+            if (shorter := course.control.refused(result)) is not None:
+                course.refuse(result, shorter)
+                continue
             shown = course.accept(result)
         except LawError as error:
             return _failed(course, Failure(str(error)))

@@ -13,6 +13,7 @@ from ..output.frame import Frame
 from ..solve.linear.factors import FactorizationError
 from ..solve.step import Stepper
 from .account import EnergyAccount
+from .between import between
 from .observables.probes import Probe
 from .observables.snapshot import Snapshot
 from .roles import Roles
@@ -97,6 +98,10 @@ class Observer:
             lambda name: self._elastic[name].natural_at(state.law_time, state.inputs),
             lambda: self._stepper.system.touch(state),
         )
+
+    def between(self, before: State, after: State, t: float) -> State:
+        """The state at a time [s] within a step."""
+        return between(before, after, t, self._simulation.model.frames)
 
     def _count_negative(self, state: State) -> float:
         """The run goes on where the tangent has no inertia: it is the probe that has no value."""

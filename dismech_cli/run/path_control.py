@@ -43,6 +43,7 @@ class PathControl:
     arrived: bool = False
     branches: tuple[float, ...] = ()
     closing: ClassVar[bool] = False
+    calmer: ClassVar[str] = "reduce numerics.integrator.path.largest"
 
     @property
     def t_end(self) -> float:
@@ -81,6 +82,13 @@ class PathControl:
         """Whether the step is cut as often as it may be."""
         return self.cuts >= self.max_cuts
 
+    def shorter(self, dt: float) -> str:
+        """The change to a quarter of a step."""
+        return f"numerics.integrator.path.largest={0.25 * dt:.3g}"
+
+    def refused(self, result: StepResult) -> None:
+        """None: a step that Newton's method solved may stand."""
+
     def accepted(self, result: StepResult) -> PathControl:
         """The control a step on."""
         change = (_WANTED / max(result.iterations, 1)) ** 0.5
@@ -98,6 +106,10 @@ class PathControl:
     def failed(self) -> PathControl:
         """The control with the next step halved."""
         return replace(self, length=0.5 * self.length, cuts=self.cuts + 1)
+
+    def starting(self, t: float) -> PathControl:
+        """This control with that length of path behind it."""
+        return replace(self, at=t)
 
     def joining(self, before: PathControl, t: float) -> PathControl:
         """This control, of a changed scenario, where another stands."""
@@ -121,6 +133,7 @@ class PathControl:
             "taken": self.taken,
             "cuts": self.cuts,
             "arrived": int(self.arrived),
+            "done": int(self.done),
         }
 
     def restore(self, arrays: Arrays, numbers: Numbers) -> PathControl:

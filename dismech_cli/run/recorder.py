@@ -143,11 +143,11 @@ def load_open_checkpoint(run_dir: Path) -> Stored | None:
     Raises:
         OutputError: likewise.
     """
-    return _load(run_dir, lambda arrays, meta: meta.get(_FORMAT) != _VERSION or not _at_end(arrays, meta))
+    return _load(run_dir, lambda arrays, meta: meta.get(_FORMAT) != _VERSION or not _at_end(meta))
 
 
-def _at_end(arrays: Arrays, meta: Mapping[str, Any]) -> bool:
-    return bool(meta[_NUMBERS]["control.index"] >= len(arrays["control.grid"]) - 1)
+def _at_end(meta: Mapping[str, Any]) -> bool:
+    return bool(meta[_NUMBERS]["control.done"])
 
 
 def discard(run_dir: Path) -> None:

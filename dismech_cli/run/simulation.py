@@ -14,6 +14,7 @@ from ..output.frame import Topology
 from ..solve.integrators import Integrator
 from ..solve.problem import NewtonSettings
 from ..solve.step import Advance, through_stages
+from .looks import Looks, at_ends
 from .observables.probes import Probe
 from .observables.rod_fields import Field
 from .roles import Roles
@@ -35,6 +36,7 @@ class Simulation:
         linear_solver: Key of the solver table, or ``auto``.
         control: Decides how far each step goes; here, as the run starts.
         frame_every: Time between frames [s].
+        looks: When it is looked at.
         start: The state at t = 0.
         topology: What the writers need to know once.
         fields: Fields of every frame.
@@ -65,3 +67,4 @@ class Simulation:
     checks: tuple[Check, ...] = ()
     touched: Touched | None = None
     structure: Mapping[str, NDArray[Any]] = field(default_factory=dict)
+    looks: Looks = at_ends

@@ -39,8 +39,21 @@ class StepControl(Saved, Protocol):
     def closing(self) -> bool:
         """Whether the next step may be another one if the run had a later end."""
 
+    @property
+    def calmer(self) -> str:
+        """What a user may do for shorter steps, in words."""
+
+    def shorter(self, dt: float) -> str:
+        """The change of the scenario that makes steps of ``dt`` [s] shorter, as ``KEY=VALUE``."""
+
+    def starting(self, t: float) -> Self:
+        """This control, of a changed scenario, at time ``t`` [s] of a run that was controlled otherwise."""
+
     def joining(self, before: Self, t: float) -> Self:
         """This control, of a changed scenario, where another stands at time ``t`` [s]."""
+
+    def refused(self, result: StepResult) -> Self | None:
+        """The control with a shorter step if one that reached its target is no good; None if it is."""
 
     def accepted(self, result: StepResult) -> Self:
         """The control after a step that reached its target."""

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 from ..model.saved import Arrays, Numbers
 
-
 @dataclass(slots=True)
 class Counters:
     """How often a run did what; implements :class:`~dismech_cli.model.saved.Saved`.
@@ -16,6 +15,7 @@ class Counters:
         steps: Accepted steps.
         iterations: Newton iterations, those of failed steps included.
         cuts: Failed steps that were tried again, shorter.
+        refused: Steps that were not accurate and tried again, shorter.
         rebuilds: Steps in which pairs that touch came to have places in the matrix, or lost them.
     """
 
@@ -23,6 +23,7 @@ class Counters:
     iterations: int = 0
     cuts: int = 0
     rebuilds: int = 0
+    refused: int = 0
 
     def arrays(self) -> Arrays:
         """None."""

@@ -14,6 +14,7 @@ from ..output.manifest import Manifest
 from ..output.run_directory import SCENARIO_FILE
 from ..run.recorder import Checkpoint, Recorder
 from ..run.simulation import Simulation
+from ..run.step_control import StepControl
 from ..scenario.load import LoadedScenario, load
 from .inputs import gather_inputs
 from .pause import Pause
@@ -21,6 +22,7 @@ from .pause import Pause
 _MAY_CHANGE = ("numerics.", "output.every", "output.render")
 # Which kernels ran is part of what a run is.
 _MAY_NOT = ("numerics.kernels",)
+_CONTROL = "control."
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,9 +84,18 @@ def moved(simulation: Simulation, checkpoint: Checkpoint) -> Checkpoint:
     fresh, t = simulation.control, checkpoint.t
     if fresh.t_end <= t:
         raise ScenarioError(f"the run stands at t = {t:.6g} s: it cannot end at {fresh.t_end:.6g} s")
-    stood = fresh.restore(within("control", checkpoint.arrays), within("control", checkpoint.numbers))
-    arrays, numbers = save_all({"control": fresh.joining(stood, t)})
-    return Checkpoint({**checkpoint.arrays, **arrays}, {**checkpoint.numbers, **numbers})
+    kept = {name: x for name, x in checkpoint.arrays.items() if not name.startswith(_CONTROL)}
+    counts = {name: x for name, x in checkpoint.numbers.items() if not name.startswith(_CONTROL)}
+    arrays, numbers = save_all({"control": _placed(fresh, checkpoint)})
+    return Checkpoint({**kept, **arrays}, {**counts, **numbers})
+
+
+def _placed(fresh: StepControl, checkpoint: Checkpoint) -> StepControl:
+    """A control where the one of a checkpoint stands, which may be of another kind."""
+    arrays, numbers = within("control", checkpoint.arrays), within("control", checkpoint.numbers)
+    if numbers.keys() != fresh.numbers().keys():
+        return fresh.starting(checkpoint.t)
+    return fresh.joining(fresh.restore(arrays, numbers), checkpoint.t)
 
 
 def keep(

@@ -3,11 +3,13 @@
 Every stage solves M a_s + r(q_s, v_s, t_s) = 0 for the unknown q = q_end of that stage, where
 q_s, v_s and a_s are affine in q. Static equilibrium is the integrator whose inertia is zero.
 Formulas: Newmark 1959; Chung & Hulbert 1993 (generalised-alpha); Bank et al. 1985 and
-Hosea & Shampine 1996 (TR-BDF2).
+Hosea & Shampine 1996 (TR-BDF2). What a step estimates of its own error is the leading term of the
+positions' local error, from velocities and accelerations that it has anyway.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Protocol
 
@@ -122,6 +124,18 @@ class Integrator(Protocol):
     def damping(self) -> int:
         """Rank by how much fast modes are damped; 0: not, or not by default."""
 
+    @property
+    def error_order(self) -> int:
+        """Power of dt with which the error of one step falls; a test holds it to its word."""
+
+    def error(self, trail: Sequence[State], dt: float) -> FloatArray:
+        """Estimated error of the positions and angles of a step, shape (n,).
+
+        Args:
+            trail: State at the start of the step, and at the end of each stage.
+            dt: Step [s].
+        """
+
     def stage(self, index: int, start: State, latest: State, dt: float) -> Stage:
         """Maps of one stage.
 
@@ -154,6 +168,12 @@ def _newmark_stage(s: State, dt: float, beta: float, gamma: float, alpha_f: floa
     )
 
 
+def _jump(trail: Sequence[State], weight: float) -> FloatArray:
+    """A weight times the change of the accelerations over a step, shape (n,)."""
+    change: FloatArray = weight * (trail[-1].a - trail[0].a)
+    return change
+
+
 @dataclass(frozen=True, slots=True)
 class ImplicitEuler:
     """First order, strongly damping; for quasi-static motion and first trials."""
@@ -163,6 +183,12 @@ class ImplicitEuler:
     stages: ClassVar[int] = 1
     needs_acceleration: ClassVar[bool] = False
     damping: ClassVar[int] = 3
+    error_order: ClassVar[int] = 2
+
+    def error(self, trail: Sequence[State], dt: float) -> FloatArray:
+        """dt^2/2 times the acceleration."""
+        change: FloatArray = 0.5 * dt * (trail[-1].v - trail[0].v)
+        return change
 
     def stage(self, index: int, start: State, latest: State, dt: float) -> Stage:
         """V = (q - q_n)/dt, a = (v - v_n)/dt."""
@@ -191,6 +217,11 @@ class ImplicitMidpoint:
     stages: ClassVar[int] = 1
     needs_acceleration: ClassVar[bool] = False
     damping: ClassVar[int] = 0
+    error_order: ClassVar[int] = 3
+
+    def error(self, trail: Sequence[State], dt: float) -> FloatArray:
+        """dt^3/12 times the jerk, from the middle of the last step to that of this one."""
+        return _jump(trail, dt * dt / 12.0)
 
     def stage(self, index: int, start: State, latest: State, dt: float) -> Stage:
         """Balance at (q + q_n)/2 with v = (q - q_n)/dt."""
@@ -226,6 +257,18 @@ class Newmark:
         """Second order only for gamma = 1/2."""
         return 2 if self.gamma == 0.5 else 1
 
+    @property
+    def error_order(self) -> int:
+        """Of the positions, whatever the order of the velocities."""
+        return 3
+
+    def error(self, trail: Sequence[State], dt: float) -> FloatArray:
+        """(beta - 1/6) dt^3 times the jerk, at least that of the trapezoidal rule, and what v adds.
+
+        With beta = 1/6 the error of v is all there is; with gamma > 1/2 it makes one of q a step later.
+        """
+        return _jump(trail, (max(abs(self.beta - 1.0 / 6.0), 1.0 / 12.0) + self.gamma - 0.5) * dt * dt)
+
     def stage(self, index: int, start: State, latest: State, dt: float) -> Stage:
         """Balance at t + dt."""
         return _newmark_stage(start, dt, self.beta, self.gamma, 0.0, 0.0)
@@ -241,14 +284,24 @@ class GeneralizedAlpha:
     stages: ClassVar[int] = 1
     needs_acceleration: ClassVar[bool] = True
     damping: ClassVar[int] = 1
+    error_order: ClassVar[int] = 3
 
-    def stage(self, index: int, start: State, latest: State, dt: float) -> Stage:
-        """Newmark maps, balance between the ends of the step."""
+    def error(self, trail: Sequence[State], dt: float) -> FloatArray:
+        """(beta - 1/6 - lag/2) dt^3 times the jerk: accelerations lag by alpha_f - alpha_m steps."""
+        alpha_m, alpha_f, beta, _ = self._weights()
+        return _jump(trail, (beta - 1.0 / 6.0 - 0.5 * (alpha_f - alpha_m)) * dt * dt)
+
+    def _weights(self) -> tuple[float, float, float, float]:
         rho = self.spectral_radius
         alpha_m = (2.0 * rho - 1.0) / (rho + 1.0)
         alpha_f = rho / (rho + 1.0)
         gamma = 0.5 - alpha_m + alpha_f
         beta = 0.25 * (1.0 - alpha_m + alpha_f) ** 2
+        return alpha_m, alpha_f, beta, gamma
+
+    def stage(self, index: int, start: State, latest: State, dt: float) -> Stage:
+        """Newmark maps, balance between the ends of the step."""
+        alpha_m, alpha_f, beta, gamma = self._weights()
         return _newmark_stage(start, dt, beta, gamma, alpha_f, alpha_m)
 
 
@@ -261,7 +314,16 @@ class TrBdf2:
     stages: ClassVar[int] = 2
     needs_acceleration: ClassVar[bool] = True
     damping: ClassVar[int] = 2
+    error_order: ClassVar[int] = 3
     fraction: ClassVar[float] = 2.0 - 2.0**0.5
+
+    def error(self, trail: Sequence[State], dt: float) -> FloatArray:
+        """What the embedded formula of third order would add (Hosea & Shampine 1996)."""
+        start, middle, end = trail
+        w = 0.25 * 2.0**0.5
+        early, late = w - (1.0 - w) / 3.0, w - (3.0 * w + 1.0) / 3.0
+        error: FloatArray = dt * (early * start.v + late * middle.v + self.fraction / 3.0 * end.v)
+        return error
 
     def stage(self, index: int, start: State, latest: State, dt: float) -> Stage:
         """Trapezoidal rule over the first 0.586 dt, BDF2 over the whole."""
@@ -301,6 +363,11 @@ class Static:
     stages: ClassVar[int] = 1
     needs_acceleration: ClassVar[bool] = False
     damping: ClassVar[int] = 0
+    error_order: ClassVar[int] = 0
+
+    def error(self, trail: Sequence[State], dt: float) -> FloatArray:
+        """None: every equilibrium is one."""
+        return np.zeros_like(trail[0].q)
 
     def stage(self, index: int, start: State, latest: State, dt: float) -> Stage:
         """Balance of forces at t + dt, from the last equilibrium."""

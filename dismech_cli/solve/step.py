@@ -38,7 +38,7 @@ class StepResult:
         indefinite: Whether the tangent of a stage is known to have a negative eigenvalue at its solution.
         arrived: Whether this is where a path was to end.
         put_in: Energy [J] that came from nothing moving: contact that was made stiffer.
-        between: The ends of all stages but the last.
+        trail: State that the step started from, and that at the end of each stage.
     """
 
     state: State
@@ -50,7 +50,7 @@ class StepResult:
     indefinite: bool = False
     arrived: bool = False
     put_in: float = 0.0
-    between: tuple[State, ...] = ()
+    trail: tuple[State, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -236,7 +236,7 @@ def through_stages(
 ) -> StepResult:
     """All stages of the integrator, each by a solver for its balance."""
     system, latest, iterations, indefinite = stepper.system, start, 0, False
-    passed: tuple[State, ...] = ()
+    trail = [start]
     for index in range(stepper.integrator.stages):
         stage = stepper.integrator.stage(index, start, latest, dt)
         ahead = StageProblem(system, stage, latest.frames, settings)
@@ -262,7 +262,7 @@ def through_stages(
                 )
         indefinite = indefinite or result.indefinite
         latest = stepper.accept(stage, latest, result.q)
-        passed = (*passed, latest)
+        trail.append(latest)
     # What holds a mass also moves it, along its path and not as the integrator would have it.
     held = stepper.held
     wanted = mean_acceleration(start, latest, dt)[held]
@@ -276,5 +276,5 @@ def through_stages(
         result.residual,
         -1,
         indefinite,
-        between=passed[:-1],
+        trail=tuple(trail),
     )

@@ -15,10 +15,11 @@ from ...arrays import IntArray
 from ...kernels.availability import numba_fault
 from ...kinematics.strains import joint_angles
 from ...mesh.topology.rods import ChainKind, chains, rod_stencils
+from ...run.adaptive import RTOL
 from ...scenario.language.actuation import CurvatureActuation, TwistActuation
 from ...scenario.language.force import Distributed, Point
 from ...scenario.language.motion import Twist
-from ...scenario.language.numerics import GeneralizedAlpha, Static
+from ...scenario.language.numerics import GeneralizedAlpha, Numerics, Static
 from ...scenario.language.probe import TwistProbe
 from ...scenario.language.scenario import Scenario
 from ..bodies.geometry import Geometry
@@ -33,6 +34,8 @@ from .holds import Hold, twists
 _STRAIGHT = 1e-9
 # Compiling costs about 10 s; below this much estimated NumPy time it never pays [stencil updates].
 _COMPILE_WORTH = 2_000_000
+# Steps of runs that choose their own, as a rule.
+_ADAPTIVE_STEPS = 500.0
 # A triangle bends at a hinge and a half and stretches: worth this many rod edges.
 _TRIANGLE = 3.0
 
@@ -113,10 +116,17 @@ def make_plan(scene: Scene, holds: tuple[Hold, ...], kernels: str | None = None)
     viscous = rubs or any(material.relaxation_time > 0.0 for material in scenario.materials.values())
     if not viscous and not any(force.velocity_dependent for force in scenario.forces):
         decisions.append(Decision("no damping matrix", "no force depends on velocity"))
+    decisions += _adaptive(scenario.numerics)
     warnings = list(scene_doubts(scene, holds))
     kernels, why = (kernels, "as in the resumed run") if kernels else _kernels(scene, warnings)
     decisions.append(Decision(f"kernels by {kernels}", why))
     return Plan(axes, bending, static, kernels, tuple(decisions), tuple(warnings))
+
+
+def _adaptive(numerics: Numerics) -> Iterator[Decision]:
+    if numerics.adapts:
+        why = "no dt is given" if numerics.dt is None else "asked for"
+        yield Decision(f"adaptive steps: errors below {numerics.step.rtol or RTOL:g} of the motion", why)
 
 
 def _contact(scenario: Scenario) -> Iterator[Decision]:
@@ -270,6 +280,8 @@ def _kernels(scene: Scene, warnings: list[str]) -> tuple[str, str]:
     steps = (
         numerics.integrator.steps
         if isinstance(numerics.integrator, Static)
+        else _ADAPTIVE_STEPS
+        if numerics.adapts
         else (numerics.t_end or 0.0) / (numerics.dt or 1.0)
     )
     work = 4.0 * steps * (len(geometry.edges) + _TRIANGLE * len(geometry.triangles) + 150)

@@ -37,6 +37,7 @@ def findings(scenario: Scenario) -> Iterator[Finding]:
     yield from _dimension(scenario)
     yield from _motions(scenario)
     yield from _time(scenario)
+    yield from _step(scenario)
     yield from _path(scenario)
     yield from _expressions(scenario)
     yield from _forces(scenario)
@@ -115,15 +116,18 @@ def _time(scenario: Scenario) -> Iterator[Finding]:
         for key in ("dt", "t_end"):
             if getattr(numerics, key) is not None:
                 yield ("numerics", key), f"a static run {goes}; leave this out"
+        if numerics.step.adaptive:
+            yield ("numerics", "step", "adaptive"), "a static run has load steps: leave this out"
         if scenario.initial_velocity:
             yield ("initial_velocity",), "a static run has no velocities"
         if scenario.imperfection is not None and not scenario.imperfection.stress_free:
             message = "statics forget at the first step how they were pushed: leave this out"
             yield ("imperfection", "stress_free"), message
         return
-    for key in ("dt", "t_end"):
-        if getattr(numerics, key) is None:
-            yield ("numerics", key), "missing key: a run in time needs it"
+    if numerics.t_end is None:
+        yield ("numerics", "t_end"), "missing key: a run in time needs it"
+    if numerics.dt is None and not numerics.adapts:
+        yield ("numerics", "dt"), "missing key: fixed steps need it; without 'adaptive: false' they adapt"
     if numerics.dt is not None and numerics.t_end is not None and numerics.dt > numerics.t_end:
         yield ("numerics", "dt"), f"longer than the run of {numerics.t_end:g} s"
     steps = 0.0 if numerics.dt is None or numerics.t_end is None else numerics.t_end / numerics.dt
@@ -132,6 +136,25 @@ def _time(scenario: Scenario) -> Iterator[Finding]:
             ("numerics", "dt"),
             f"{steps:.3g} steps to the end of the run at {numerics.t_end:g} s; at most {MAX_STEPS:.0e}",
         )
+
+
+def _step(scenario: Scenario) -> Iterator[Finding]:
+    """Lengths of adaptive steps, and keys that do nothing."""
+    numerics, step = scenario.numerics, scenario.numerics.step
+    for key in ("rtol", "dt_min", "dt_max"):
+        if getattr(step, key) is not None and not numerics.adapts:
+            yield ("numerics", "step", key), "only adaptive steps have it: add 'adaptive: true'"
+    if numerics.adapts and step.max_cuts != type(step)().max_cuts:
+        yield ("numerics", "step", "max_cuts"), "adaptive steps are cut down to 'dt_min': give that instead"
+    shortest, longest = step.dt_min, step.dt_max
+    if longest is not None and shortest is not None and shortest > longest:
+        yield ("numerics", "step", "dt_min"), f"longer than dt_max, {longest:g} s"
+    if not numerics.adapts or numerics.dt is None:
+        return
+    if shortest is not None and numerics.dt < shortest:
+        yield ("numerics", "dt"), f"the first step is shorter than dt_min, {shortest:g} s"
+    if longest is not None and numerics.dt > longest:
+        yield ("numerics", "dt"), f"the first step is longer than dt_max, {longest:g} s"
 
 
 def _path(scenario: Scenario) -> Iterator[Finding]:

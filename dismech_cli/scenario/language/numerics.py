@@ -111,10 +111,27 @@ class Newton(Spec):
 
 
 class Step(Spec):
-    """What happens when a step fails, or has several solutions, as a long step where something buckles."""
+    """How long steps are, and what happens when one fails or has several solutions, as a long step where
+    something buckles."""  # noqa: D205, D209
 
+    adaptive: bool | None = Field(
+        default=None,
+        description="Whether steps are as long as `rtol` allows; by default where `dt` is left out.",
+    )
+    rtol: Annotated[float, Quantity("ratio", gt=0, lt=1)] | None = Field(
+        default=None,
+        description="Error of an adaptive step as a share of the largest motion so far; default: 1e-3. "
+        "What a run ends with is 10 to 100 times as much: see docs/trade.md.",
+    )
+    dt_min: PositiveTime | None = Field(
+        default=None, description="Shortest adaptive step; default: `t_end` / 1e7."
+    )
+    dt_max: PositiveTime | None = Field(
+        default=None, description="Longest adaptive step; default: `t_end` / 10."
+    )
     max_cuts: Annotated[int, Field(ge=0, le=60)] = Field(
-        default=10, description="How often dt may be halved before giving up."
+        default=10,
+        description="How often a fixed dt may be halved before giving up; adaptive steps are down to `dt_min`.",
     )
     patience: Annotated[int, Field(ge=1, le=10_000)] = Field(
         default=10,
@@ -144,7 +161,11 @@ class Numerics(Spec):
         description="Time integrator; in scenes with `contact` by default `generalized_alpha` with "
         "`spectral_radius: 0`.",
     )
-    dt: PositiveTime | None = Field(default=None, description="Time step; required unless static.")
+    dt: PositiveTime | None = Field(
+        default=None,
+        description="Time step; where it is left out, steps are adaptive. Of adaptive steps the first one, "
+        "and that after every jump of a law; default: `t_end` / 1000.",
+    )
     t_end: PositiveTime | None = Field(default=None, description="End of the run; required unless static.")
     newton: Newton = Field(default=Newton(), description="Nonlinear solver.")
     step: Step = Field(default=Step(), description="Step control.")
@@ -154,3 +175,10 @@ class Numerics(Spec):
     kernels: Literal["auto", "numpy", "numba"] = Field(
         default="auto", description="How the kernels run; `auto` takes numba where it is installed."
     )
+
+    @property
+    def adapts(self) -> bool:
+        """Whether steps are as long as a tolerance allows."""
+        if isinstance(self.integrator, Static):
+            return False
+        return self.dt is None if self.step.adaptive is None else self.step.adaptive
