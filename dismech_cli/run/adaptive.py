@@ -5,13 +5,14 @@ PI control of the step (Gustafsson 1991; Hairer and Wanner 1996, IV.8), restarte
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
+from math import floor, inf
 from typing import Final
 
 from ..model.saved import Arrays, Numbers
 from ..solve.integrators import Integrator
 from ..solve.step import StepResult
-from .error_norm import ErrorNorm, Size
+from .error_norm import ErrorNorm
 from .pace import Pace
 
 # Safety, and exponents of this and of the last error, over the order of the error.
@@ -50,11 +51,13 @@ class Adaptive:
         pace: What they must not step over.
         norm: Measures their error.
         integrator: Estimates it.
+        every: Time between marks at which steps end too [s]: frames of runs that have none in between;
+            infinite without.
         at: Time [s].
         step: That the next step may have [s].
         last: Error of the last step, in units of the tolerance.
         cut: Whether the step has been shortened: then the next one does not grow.
-        motion: Largest motion so far.
+        motion: Largest motion so far [m].
         forced: Steps that were less accurate than asked for, and could not be cut.
     """
 
@@ -62,11 +65,12 @@ class Adaptive:
     pace: Pace
     norm: ErrorNorm
     integrator: Integrator
+    every: float = inf
     at: float = 0.0
     step: float = 0.0
     last: float = 1.0
     cut: bool = False
-    motion: Size = field(default=Size())
+    motion: float = 0.0
     forced: int = 0
 
     @property
@@ -84,7 +88,7 @@ class Adaptive:
     @property
     def target(self) -> float:
         """Time [s] at the end of the next step."""
-        event = self.pace.next_event(self.at)
+        event = min(self.pace.next_event(self.at), self._next_mark)
         step = min(self.step, self.pace.limit(self.at) - self.at)
         if event - self.at <= _STRETCH * step:
             return event
@@ -103,7 +107,7 @@ class Adaptive:
             return ""
         return (
             f"{self.forced} steps as short as numerics.step.dt_min = {self.tolerance.shortest:.3g} s were "
-            "less accurate than numerics.step.rtol asks for: make dt_min shorter, or look at what moves so fast"
+            "less accurate than numerics.step.rtol asks for: make dt_min shorter, or see what moves so fast"
         )
 
     @property
@@ -170,14 +174,21 @@ class Adaptive:
             forced=self.forced + (error > 1.0),
         )
 
+    @property
+    def _next_mark(self) -> float:
+        """The first mark after now [s]."""
+        if self.every == inf:
+            return inf
+        return self.every * (floor(self.at / self.every * (1.0 + 1e-12)) + 1)
+
     def _cut(self, factor: float) -> Adaptive:
         step = max(factor * (self.target - self.at), self.tolerance.shortest)
         return replace(self, step=step, cut=True)
 
-    def _motion(self, result: StepResult) -> Size:
-        return self.motion.larger(self.norm.moved(result.state.q, self.at))
+    def _motion(self, result: StepResult) -> float:
+        return max(self.motion, self.norm.moved(result.state.q, self.at))
 
-    def _error(self, result: StepResult, motion: Size) -> float:
+    def _error(self, result: StepResult, motion: float) -> float:
         """Error of a step in units of the tolerance."""
         error = self.integrator.error(result.trail, result.state.t - self.at)
         return max(self.norm.share(error, motion, self.at) / self.tolerance.rtol, _NONE)
@@ -193,8 +204,7 @@ class Adaptive:
             "step": self.step,
             "last": self.last,
             "cut": int(self.cut),
-            "way": self.motion.way,
-            "turn": self.motion.turn,
+            "motion": self.motion,
             "forced": self.forced,
             "done": int(self.done),
         }
@@ -207,7 +217,7 @@ class Adaptive:
             step=float(numbers["step"]),
             last=float(numbers["last"]),
             cut=bool(numbers["cut"]),
-            motion=Size(float(numbers["way"]), float(numbers["turn"])),
+            motion=float(numbers["motion"]),
             forced=int(numbers["forced"]),
         )
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from math import sqrt
 
 import numpy as np
@@ -11,33 +12,20 @@ from ..arrays import FloatArray
 from ..kinematics.motion import held_dofs
 from ..model.model import Model
 
-# Motion counts as at least this share of the robot's size, and turning as at least this angle [rad].
-_LEAST, _LEAST_TURN = 1e-3, 0.1
+# Motion counts as at least this share of the robot's size, and as at most the whole of it.
+_LEAST = 1e-3
 
 
-@dataclass(frozen=True, slots=True)
-class Size:
-    """Root mean squares over what is free and has mass.
-
-    Attributes:
-        way: Of nodes [m].
-        turn: Of edge angles [rad].
-    """
-
-    way: float = 0.0
-    turn: float = 0.0
-
-    def larger(self, other: Size) -> Size:
-        """The larger of each."""
-        return Size(max(self.way, other.way), max(self.turn, other.turn))
-
-
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class ErrorNorm:
-    """Measures changes of shape.
+    """Root mean square over the nodes of what is free and has mass [m].
+
+    Angles count as the way of a circle of gyration: a rod of radius r that turns by an angle moves by
+    r / sqrt(2) times that. Its torsion is faster than all that bends; measured in radians it would set
+    the step.
 
     Attributes:
-        model: Whose shapes.
+        model: Whose changes of shape are measured.
         start: Where motion is counted from, shape (n,).
         extent: Size of the rest shape [m].
     """
@@ -46,25 +34,28 @@ class ErrorNorm:
     start: FloatArray
     extent: float
 
-    def size(self, x: FloatArray, t: float) -> Size:
-        """Of a change (n,) of what is free from time ``t`` [s] on."""
-        model = self.model
-        free = (model.mass > 0.0) & ~held_dofs(model.motions, model.dofs.n, t)
-        squares = np.where(free, x * x, 0.0)
-        count = model.dofs.n_positions
-        # per node, of which planar ones have two components
-        nodes = int(np.count_nonzero(free[:count])) / model.dofs.dimension
-        angles = int(np.count_nonzero(free[count:]))
-        way = float(squares[:count].sum()) / max(nodes, 1.0)
-        return Size(sqrt(way), sqrt(float(squares[count:].sum()) / max(angles, 1)))
+    @cached_property
+    def _squares(self) -> FloatArray:
+        """Squares of the way per change of each DOF, shape (n,); 0 without mass."""
+        mass, count = self.model.mass, self.model.dofs.n_positions
+        nodes = mass[:count][mass[:count] > 0.0]
+        squares = np.where(mass > 0.0, 1.0, 0.0)
+        squares[count:] = mass[count:] / (np.median(nodes) if nodes.size else 1.0)
+        return squares
 
-    def moved(self, q: FloatArray, t: float) -> Size:
+    def size(self, x: FloatArray, t: float) -> float:
+        """Of a change (n,) of what is free from time ``t`` [s] on."""
+        dofs = self.model.dofs
+        weights = np.where(held_dofs(self.model.motions, dofs.n, t), 0.0, self._squares)
+        # per node, of which planar ones have two components
+        nodes = int(np.count_nonzero(weights[: dofs.n_positions])) / dofs.dimension
+        return sqrt(float(weights @ (x * x)) / max(nodes, 1.0))
+
+    def moved(self, q: FloatArray, t: float) -> float:
         """Of the way from the start to a shape (n,)."""
         return self.size(q - self.start, t)
 
-    def share(self, error: FloatArray, motion: Size, t: float) -> float:
+    def share(self, error: FloatArray, motion: float, t: float) -> float:
         """Size of an error (n,) in units of the largest motion so far; infinite if it is no number."""
-        found, extent = self.size(error, t), self.extent
-        way = found.way / min(max(motion.way, _LEAST * extent), extent)
-        share = max(way, found.turn / min(max(motion.turn, _LEAST_TURN), 1.0))
+        share = self.size(error, t) / min(max(motion, _LEAST * self.extent), self.extent)
         return share if np.isfinite(share) else float("inf")
