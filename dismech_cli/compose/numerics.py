@@ -36,7 +36,7 @@ def build_integrator(spec: numerics.Integrator) -> integrators.Integrator:
 # 1e-5 changes 0.3 % of the error in time and saves a fifth of the iterations.
 _STATIC_TOLERANCE, _DYNAMIC_TOLERANCE = 1e-8, 1e-5
 # Adaptive steps that are to be far more accurate need a balance that is too.
-_PART_OF_ERROR = 0.01
+_PART_OF_ERROR = 0.1
 
 
 def _dynamic_tolerance(spec: numerics.Numerics) -> float:

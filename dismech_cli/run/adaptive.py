@@ -19,6 +19,8 @@ from .pace import Pace
 _SAFE, _NOW, _LAST = 0.9, 0.7, 0.4
 # By how much a step may differ from the last one, and an error that counts as none.
 _LEAST, _MOST, _NONE = 0.2, 2.0, 1e-8
+# Steps that would change by less stay: a change costs generalised-alpha accuracy, and the matrix its use.
+_KEPT = (0.9, 1.2)
 # A step that ends this share of itself before an event goes on to it.
 _STRETCH = 1.1
 # A run takes about so many steps at a tolerance of 1e-3, and these after every event.
@@ -157,6 +159,8 @@ class Adaptive:
         order = self.integrator.error_order
         factor = _SAFE * error ** (-_NOW / order) * self.last ** (_LAST / order)
         factor = min(max(factor, _LEAST), 1.0 if self.cut else _MOST)
+        if _KEPT[0] <= factor <= _KEPT[1]:
+            factor = 1.0
         step = factor * (t - self.at)
         if factor >= 1.0:
             # an event or a law that shortened a step says nothing of the next one
