@@ -115,7 +115,7 @@ class Adaptive:
     @property
     def exhausted(self) -> bool:
         """Whether the next step may not be cut."""
-        return self.target - self.at <= self.tolerance.shortest
+        return min(self.step, self.target - self.at) <= self.tolerance.shortest
 
     @property
     def closing(self) -> bool:

@@ -155,7 +155,7 @@ def test_all_faults_at_once_in_order(folder: Folder) -> None:
             "[0, 0, {sine: {amplitude: 1, frequency: 1 rad/s}}]",
             "expected a frequency such as '1 Hz'",
         ),
-        ("dt: 5 ms", "", "15:1: numerics.dt: missing key: a run in time needs it"),
+        ("dt: 5 ms", "step: {adaptive: false}", "15:1: numerics.dt: missing key: fixed steps need it"),
         ("dt: 5 ms", "dt: 5 s", "16:7: numerics.dt: longer than the run of 2 s"),
         ("dt: 5 ms", "dt: yes", "16:7: numerics.dt: expected a time such as '1 s', got 'yes'"),
         ("dt: 5 ms", "dt: true", "16:7: numerics.dt: expected a time, got true"),
