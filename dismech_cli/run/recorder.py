@@ -21,7 +21,7 @@ from .sink import Progress
 
 _FORMAT, _IDENTITY, _NUMBERS = "format", "identity", "numbers"
 # Raised whenever a part of a run saves itself under other names.
-_VERSION = 6
+_VERSION = 7
 _PRODUCTS = (EVENTS_FILE, *(name for kind in WRITERS.values() for name in kind.products))
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from ..model.saved import Arrays, Numbers
 
+
 @dataclass(slots=True)
 class Counters:
     """How often a run did what; implements :class:`~dismech_cli.model.saved.Saved`.
