@@ -17,6 +17,7 @@ from ..model.term import BoundChanging, Memory
 from ..model.touch import Touch
 from .faces import Faces
 from .lines import Lines
+from .loops import Loops, loops_of
 from .near_wall import NearWall
 from .neighbours import Neighbours
 from .rod_pairs import RodPairs
@@ -86,14 +87,14 @@ class Contact:
 
     def start(self, driver: Driver) -> Contacts:
         """What the terms share, with the terms."""
-        return Contacts(self)
+        return Contacts(self, loops_of(driver))
 
 
 class Contacts:
     """Who touches whom; implements :class:`~dismech_cli.model.term.ChangingSet`."""
 
-    def __init__(self, contact: Contact) -> None:
-        self._contact = contact
+    def __init__(self, contact: Contact, loops: Loops) -> None:
+        self._contact, self.loops = contact, loops
         # in this step, before it, and in the next
         self._now = self._early = self._later = Hardness()
         self._deepest = self._by_end = np.zeros(len(contact.lines.nodes))
@@ -101,9 +102,9 @@ class Contacts:
         self._end = np.empty((0, 3))
         self._sources: tuple[Source, ...] = tuple(NearWall(wall) for wall in contact.walls)
         if contact.neighbours is not None:
-            self._sources = (*self._sources, RodPairs(contact.neighbours))
+            self._sources = (*self._sources, RodPairs(contact.neighbours, loops))
         if contact.faces is not None:
-            self._sources = (*self._sources, SurfacePairs(contact.faces))
+            self._sources = (*self._sources, SurfacePairs(contact.faces, loops))
         self.couplings: tuple[Coupling, ...] = ()
         self._list()
         self._at: Configuration | None = None

@@ -14,6 +14,7 @@ import numpy as np
 
 from ..arrays import FloatArray
 from .pieces import Pieces
+from .quadrature import passing
 
 
 class Core(Protocol):
@@ -115,12 +116,7 @@ def beside(start: FloatArray, slope: FloatArray, first: FloatArray, second: Floa
     t0, t1 = (offset * u).sum(axis=0) / square, (slope * u).sum(axis=0) / square
     rising = t1 >= 0.0
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        at_first = np.where(t1 == 0.0, np.where(t0 > 0.0, -np.inf, np.inf), -t0 / t1)
-        at_second = np.where(t1 == 0.0, np.where(t0 > 1.0, -np.inf, np.inf), (1.0 - t0) / t1)
-    early = np.clip(np.minimum(at_first, at_second), 0.0, 1.0)
-    late = np.clip(np.maximum(at_first, at_second), 0.0, 1.0)
-    # a line that runs across all along faces the one feature from start to end
-    early = np.where((t1 == 0.0) & (t0 >= 0.0) & (t0 <= 1.0), 0.0, early)
+        early, late = passing(t0, t1)
     zero, one = np.zeros(count), np.ones(count)
     item = np.arange(count)
     edge = u / np.sqrt(square)

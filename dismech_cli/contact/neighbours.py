@@ -16,7 +16,6 @@ from ..kinematics.dofs import DofMap
 from .candidates import among, near_pairs
 from .cores import beside
 from .lines import Lines
-from .points import Points, round_points
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,20 +73,16 @@ class Neighbours:
 
     def distances(self, x: FloatArray, pairs: IntArray) -> FloatArray:
         """Distances of pairs of lines at nodes (N, 3) [m], shape (P,)."""
-        ends = x[self.lines.nodes[pairs]]
-        return distances(np.ascontiguousarray(ends.transpose(1, 2, 3, 0)))
+        return distances(np.ascontiguousarray(x[self.nodes(pairs)].transpose(1, 2, 0)))
+
+    def nodes(self, pairs: IntArray) -> IntArray:
+        """Nodes of the lines of pairs (P, 2), shape (P, 4)."""
+        return self.lines.nodes[pairs].reshape(-1, 4)
 
     def factors(self, directed: IntArray) -> FloatArray:
         """Half the stiffness of the stiffer line, times the rest length of the first [N/m], shape (K,)."""
         stiff: FloatArray = 0.5 * self.stiffness[directed].max(axis=1) * self.lines.lengths[directed[:, 0]]
         return stiff
-
-    def points(self, x: FloatArray, directed: IntArray, reach: FloatArray, factor: FloatArray) -> Points:
-        """Points of contact of lines with the segments that they face, pairs of shape (K, 2)."""
-        ends = x[self.lines.nodes[directed]].transpose(1, 2, 3, 0)
-        start = ends[0, 0]
-        pieces = beside(start, ends[0, 1] - start, ends[1, 0], ends[1, 1])
-        return round_points(pieces, reach, factor)
 
     def search(self, x: FloatArray, more: float) -> IntArray:
         """Allowed pairs whose lines may be within reach and ``more`` [m] of each other, shape (P, 2)."""
@@ -99,6 +94,6 @@ class Neighbours:
 
 
 def distances(ends: FloatArray) -> FloatArray:
-    """Distances of lines with ends (2, 2, 3, P)."""
-    start, first = ends[0, 0], ends[1, 0]
-    return beside(start, ends[0, 1] - start, first, ends[1, 1]).nearest(start.shape[1])
+    """Distances of lines from segments, ends (4, 3, P) [m]: those of the line, then those of the segment."""
+    start, end, first, second = ends
+    return beside(start, end - start, first, second).nearest(start.shape[1])

@@ -15,7 +15,7 @@ import numpy as np
 
 from ..arrays import FloatArray, IntArray
 from .pieces import Pieces, spots
-from .quadrature import within
+from .quadrature import density, second_derivative, within
 from .rubbing import friction_by_position, friction_by_velocity, friction_force, slip
 
 
@@ -67,20 +67,20 @@ class Points:
     def hessians(self) -> FloatArray:
         """Second derivatives, shape (n, n, 3, 3, K)."""
         w, spread, x = self.weights, self.spread, self.gap
-        both = w[:, None] * w[None]
-        along = self.along * both
-        dyad = x[:, None] * x[None]
         shape = self.axis * self.e[:, None] * self.e[None]
         shape[[0, 1, 2], [0, 1, 2]] += self.identity
-        out: FloatArray
-        if not spread.any():
-            out = along[:, :, None, None] * dyad + (self.bend * both)[:, :, None, None] * shape
-            return out
-        along -= self.bend * (spread[:, None] * spread[None]).sum(axis=2)
-        out = along[:, :, None, None] * dyad + (self.bend * both)[:, :, None, None] * shape
-        turn = (self.bend * w)[:, None, None, None] * spread[None, :, :, None] * x
-        out -= turn
-        out -= turn.transpose(1, 0, 3, 2, 4)
+        out: FloatArray = second_derivative(
+            self.along,
+            self.bend,
+            w[:, None, None, None],
+            w[None, :, None, None],
+            (spread[:, None] * spread[None]).sum(axis=2)[:, :, None, None],
+            spread[:, None, None, :],
+            spread[None, :, :, None],
+            x[:, None],
+            x[None],
+            shape,
+        )
         return out
 
     def directions(self) -> FloatArray:
@@ -120,11 +120,6 @@ class Points:
         by_velocity = friction_by_velocity(load, sharpness, u, self.normal)
         return by_position.reshape(3, 3, -1), by_velocity.reshape(3, 3, -1)
 
-    def relative(self, velocities: FloatArray) -> FloatArray:
-        """Relative velocity at each point [m/s], shape (3, K), from those of the nodes (n, 3, items)."""
-        out: FloatArray = (self.weights[:, None] * velocities[:, :, self.item]).sum(axis=0)
-        return out
-
 
 def round_points(pieces: Pieces, reach: FloatArray, factor: FloatArray) -> Points:
     """Points of the energy sum over lines of factor (H^2 - |x|^2)^2 / (4 H^2).
@@ -140,10 +135,8 @@ def round_points(pieces: Pieces, reach: FloatArray, factor: FloatArray) -> Point
     x = near.start + at.s * near.slope
     square = (x * x).sum(axis=0)
     h = reach[near.item]
-    depth = np.maximum(h * h - square, 0.0)
-    f = factor[near.item] * at.share / (4.0 * h * h)
-    distance = np.sqrt(square) + np.finfo(float).tiny
-    pull = -4.0 * f * depth
+    energy, pull, along, load, growth, turn = density(square, h, factor[near.item] * at.share)
+    normal = x / (np.sqrt(square) + np.finfo(float).tiny)
     weights, spread = _weights(near, at.s)
     return Points(
         item=near.item,
@@ -151,17 +144,17 @@ def round_points(pieces: Pieces, reach: FloatArray, factor: FloatArray) -> Point
         weights=weights,
         spread=spread,
         gap=x,
-        normal=x / distance,
-        energy=f * depth * depth,
+        normal=normal,
+        energy=energy,
         pull=pull,
-        along=8.0 * f,
+        along=along,
         bend=pull,
-        load=-pull * distance,
-        growth=4.0 * f * (depth - 2.0 * square),
+        load=load,
+        growth=growth,
         identity=near.identity,
         axis=near.axis,
         e=near.e,
-        turn=1.0 / distance,
+        turn=turn,
     )
 
 

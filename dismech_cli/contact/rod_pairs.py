@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -12,10 +12,9 @@ from ..arrays import FloatArray, IntArray
 from ..model.term import Memory
 from .advance import longest_way
 from .candidates import among
-from .cores import facing_node
-from .neighbours import Neighbours, distances
+from .loops import Loops
+from .neighbours import Neighbours
 from .placed import Placed
-from .points import round_points
 from .search import MARGIN, Search
 from .source import Depths
 from .stencils import Stencils
@@ -67,9 +66,15 @@ class RodPairs:
 
     steady = True
 
-    def __init__(self, neighbours: Neighbours) -> None:
-        self._all = neighbours
-        self._search = Search(neighbours)
+    def __init__(self, neighbours: Neighbours, loops: Loops) -> None:
+        """Find none yet.
+
+        Args:
+            neighbours: Who may touch.
+            loops: What is done to many pairs at once.
+        """
+        self._all, self._loops = neighbours, loops
+        self._search = Search(neighbours, loops)
         self._placed = Placed(PAIRS, self._lay_out)
 
     def recall(self, memory: Memory) -> None:
@@ -92,9 +97,8 @@ class RodPairs:
             return
         rows, count = self._rows, len(placed)
         both = np.concatenate((active, active + count))
-        reach = np.tile(self._all.reach(self._all.pairs(placed[active])), 2)
-        stiff = self._all.factors(rows.directed[both])
-        yield self._touching(0, both, rows.segments, rows.directed[both], reach, factor * stiff, x, v)
+        reach, stiff = self._reach, self._stiff
+        yield self._touching(0, both, both, reach[both], factor * stiff[both], x, v)
         met = rows.meeting[both].reshape(-1)
         sides = np.bincount(met[met >= 0], minlength=len(rows.corners))
         corners = np.flatnonzero(sides >= 2)
@@ -102,16 +106,14 @@ class RodPairs:
             return
         # of the segments that meet there any has the reach and the stiffness: the last does
         last = np.zeros(len(rows.corners), dtype=np.int64)
-        owner = np.repeat(np.arange(len(both)), 2)[met >= 0]
-        last[met[met >= 0]] = owner
+        last[met[met >= 0]] = np.repeat(both, 2)[met >= 0]
         own = last[corners]
-        faced = rows.directed[both][own]
         scale = -(sides[corners] - 1.0) * stiff[own]
-        yield self._touching(1, corners, rows.corners, faced, reach[own], factor * scale, x, v)
+        yield self._touching(1, corners, own, reach[own], factor * scale, x, v)
 
     def velocities(self, touching: Touching, x: FloatArray, v: FloatArray, t: float) -> FloatArray:
         """Relative velocities at points of contact [m/s], shape (3, K)."""
-        return touching.points.relative(touching.stencils.gathered(v))
+        return touching.stencils.relative(touching.points, v)
 
     @property
     def stencils(self) -> tuple[Stencils, ...]:
@@ -122,7 +124,7 @@ class RodPairs:
         """Penetration of pairs of lines, told of the first."""
         pairs = self._all.pairs(self._search.within(x, 0.0))
         lines, reach = self._all.lines, self._all.reach(pairs)
-        depth = reach - self._all.distances(x, pairs)
+        depth = reach - self._loops.segment_distances(x, self._all.nodes(pairs))
         shares = depth / lines.radii[pairs].sum(axis=1)
         return Depths(
             pairs[:, 0], shares, self._all.labels[lines.bodies[pairs[:, 0]], lines.bodies[pairs[:, 1]]]
@@ -132,19 +134,22 @@ class RodPairs:
         """Factor of the stiffness that stops what comes."""
         every, lines = self._all, self._all.lines
         pairs = self._search.reaching(x, ahead)
-        reach, later = every.reach(pairs), every.distances(ahead, pairs)
+        reach, later = every.reach(pairs), self._loops.segment_distances(ahead, every.nodes(pairs))
         coming = np.flatnonzero(later < reach)
         if not len(coming):
             return 0.0
         pairs, later = pairs[coming], later[coming]
-        now = every.distances(x, pairs)
+        now = self._loops.segment_distances(x, every.nodes(pairs))
         depth = tolerance * lines.radii[pairs].sum(axis=1)
         mass = lines.masses[pairs]
         reduced = mass.prod(axis=1) / mass.sum(axis=1)
         force = impact_force(reduced, np.maximum(now - later, 0.0) / dt, depth, dt)
         directed = np.concatenate((pairs, pairs[:, ::-1]))
         # of lines so thick that they are as deep as they may be
-        points = self._all.points(x, directed, np.tile(now + depth, 2), self._all.factors(directed))
+        reach = np.tile(now + depth, 2)
+        points = self._loops.segment_points(
+            x, every.nodes(directed), np.arange(len(directed)), reach, every.factors(directed)
+        )
         held = np.bincount(points.item % len(pairs), weights=points.load, minlength=len(pairs))
         return float((force / (held + np.finfo(float).tiny)).max())
 
@@ -161,48 +166,50 @@ class RodPairs:
             pairs = pairs[moved[pairs].sum(axis=1) > self._search.distance - least]
         if not len(pairs):
             return 1.0
-        nodes = every.lines.nodes[pairs]
-        ends0 = np.ascontiguousarray(x0[nodes].transpose(1, 2, 3, 0))
-        way = np.ascontiguousarray(x1[nodes].transpose(1, 2, 3, 0)) - ends0
-        apart = way[0][:, None] - way[1][None]
+        nodes, way = every.nodes(pairs), x1 - x0
+        ends = way[nodes].transpose(1, 2, 0)
+        apart = ends[:2, None] - ends[None, 2:]
         speed = np.sqrt((apart * apart).sum(axis=2)).max(axis=(0, 1))
 
         def gap_at(part: float, which: IntArray) -> FloatArray:
-            return distances(ends0[..., which] + part * way[..., which])
+            return self._loops.segment_distances(x0 + part * way, nodes[which])
 
         return longest_way(gap_at, speed, _NEAREST * every.reach(pairs))
 
     def _lay_out(self, keys: IntArray) -> None:
         """What pairs with these keys touch with."""
-        every = self._all
-        self._rows = Rows.of(every.lines.nodes, every.pairs(keys))
-        self._stencils = (Stencils(every.map, self._rows.segments), Stencils(every.map, self._rows.corners))
+        every, lines = self._all, self._all.lines
+        pairs = every.pairs(keys)
+        rows = Rows.of(lines.nodes, pairs)
+        self._rows = rows
+        self._stencils = (Stencils(every.map, rows.segments), Stencils(every.map, rows.corners))
+        self._reach = np.tile(every.reach(pairs), 2)
+        self._stiff = every.factors(rows.directed)
+        first, second = lines.bodies[rows.directed].T
+        self._friction = every.friction[first, second]
+        self._labels, self._signs = every.labels[first, second], every.signs[first, second]
 
     def _touching(
         self,
         kind: int,
         rows: IntArray,
-        nodes: IntArray,
-        faced: IntArray,
+        owners: IntArray,
         reach: FloatArray,
         factor: FloatArray,
         x: FloatArray,
         v: FloatArray,
     ) -> Touching:
-        if kind == 0:
-            points = self._all.points(x, faced, reach, factor)
-        else:
-            start, end, vertex = x[nodes[rows]].transpose(1, 2, 0)
-            points = round_points(facing_node(start, end - start, vertex), reach, factor)
-        bodies = self._all.lines.bodies[faced[points.item]]
-        points = replace(points, item=rows[points.item])
+        """Points of contact of some rows of a kind, each with the pair that owns it."""
         stencils = self._stencils[kind]
+        find = (self._loops.segment_points, self._loops.vertex_points)[kind]
+        points = find(x, stencils.nodes, rows, reach, factor)
+        of = owners[np.searchsorted(rows, points.item)]
         return Touching(
             kind=kind,
             stencils=stencils,
             points=points,
-            friction=self._all.friction[bodies[:, 0], bodies[:, 1]],
-            velocity=points.relative(stencils.gathered(v)),
-            label=self._all.labels[bodies[:, 0], bodies[:, 1]],
-            sign=self._all.signs[bodies[:, 0], bodies[:, 1]],
+            friction=self._friction[of],
+            moving=lambda: stencils.relative(points, v),
+            label=self._labels[of],
+            sign=self._signs[of],
         )

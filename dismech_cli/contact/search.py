@@ -7,6 +7,7 @@ from typing import Final
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
+from .loops import Loops
 from .neighbours import Neighbours
 
 # In units of the distance at which lines touch: how far the search goes beyond it, and how far beyond it
@@ -24,25 +25,26 @@ class Search:
         distance: Distance of each at the places last asked for [m], shape (P,).
     """
 
-    def __init__(self, neighbours: Neighbours) -> None:
-        self._all = neighbours
+    def __init__(self, neighbours: Neighbours, loops: Loops) -> None:
+        self._all, self._loops = neighbours, loops
         self._thick = 2.0 * float(neighbours.lines.radii[neighbours.numbers].max(initial=0.0))
         self.skin = SKIN * self._thick
         self._searched: FloatArray | None = None
         self.candidates: IntArray = np.empty((0, 2), dtype=np.int64)
+        self._nodes, self._keys = np.empty((0, 4), dtype=np.int64), np.empty(0, dtype=np.int64)
         self.reach = self.distance = self._measured = np.empty(0)
 
     def within(self, x: FloatArray, margin: float) -> IntArray:
         """Keys of pairs within reach and a margin in units of it, ascending."""
         self.measure(x)
-        return self._all.keys(self.candidates[self.distance < (1.0 + margin) * self.reach])
+        return self._keys[self.distance < (1.0 + margin) * self.reach]
 
     def measure(self, x: FloatArray) -> None:
         """Find the candidates and their distances, if those known are not of these places."""
         self._look(x)
         if not np.array_equal(x, self._measured):
             self._measured = x.copy()
-            self.distance = self._all.distances(x, self.candidates)
+            self.distance = self._loops.segment_distances(x, self._nodes)
 
     def reaching(self, x0: FloatArray, x1: FloatArray) -> IntArray:
         """Pairs that may come within reach of each other on a way, shape (P, 2)."""
@@ -59,6 +61,8 @@ class Search:
             return
         self._searched = x.copy()
         self.candidates = self._all.search(x, self.skin)
+        self._nodes = self._all.nodes(self.candidates)
+        self._keys = self._all.keys(self.candidates)
         self.reach = self._all.reach(self.candidates)
         self._measured = np.empty(0)
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
 from ..kernels.linearization import Coupling, Pattern
 from ..kinematics.dofs import DofMap
+from .points import Points
 
 # So many items are summed together: what fits in the fast memory of a core.
 _TOGETHER = 256
@@ -21,25 +22,30 @@ class Stencils:
     Attributes:
         map: Numbering of the DOFs.
         nodes: Nodes of each item, shape (S, n).
+        dofs: Their DOFs, shape (S, n d).
+        axes: The d axes that the model has.
     """
 
     map: DofMap
     nodes: IntArray
+    dofs: IntArray = field(init=False, repr=False, compare=False)
+    axes: IntArray = field(init=False, repr=False, compare=False)
 
-    @property
-    def dofs(self) -> IntArray:
-        """Their DOFs, shape (S, n d)."""
+    def __post_init__(self) -> None:
         count, n = self.nodes.shape
-        return self.map.of_nodes(self.nodes).reshape(count, n * self.map.dimension)
+        object.__setattr__(self, "dofs", self.map.of_nodes(self.nodes).reshape(count, n * self.map.dimension))
+        object.__setattr__(self, "axes", np.array(self.map.axes))
 
     @property
     def coupling(self) -> Coupling:
         """One clique per item."""
         return Coupling(self.dofs)
 
-    def gathered(self, values: FloatArray) -> FloatArray:
-        """Nodal vectors (N, 3) of each item, shape (n, 3, S)."""
-        return np.ascontiguousarray(values[self.nodes].transpose(1, 2, 0))
+    def relative(self, points: Points, values: FloatArray) -> FloatArray:
+        """Nodal vectors (N, 3) as those of the lines against what they face at points, shape (3, K)."""
+        nodal = np.ascontiguousarray(values[self.nodes[points.item]].transpose(1, 2, 0))
+        out: FloatArray = (points.weights[:, None] * nodal).sum(axis=0)
+        return out
 
     def add(self, item: IntArray, vectors: FloatArray, r: FloatArray) -> None:
         """Add vectors (n, 3, K) of points of some items to the DOFs of ``r``, shape (n,)."""

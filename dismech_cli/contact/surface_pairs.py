@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 from typing import Final
 
 import numpy as np
@@ -14,6 +15,7 @@ from .advance import longest_way
 from .candidates import among
 from .faces import Faces
 from .facing import Facing
+from .loops import Loops
 from .pieces import Pieces
 from .placed import Placed
 from .source import Depths
@@ -62,8 +64,14 @@ class SurfacePairs:
 
     steady = True
 
-    def __init__(self, faces: Faces) -> None:
-        self._all = faces
+    def __init__(self, faces: Faces, loops: Loops) -> None:
+        """Find none yet.
+
+        Args:
+            faces: Who may touch.
+            loops: What is done to many pairs at once.
+        """
+        self._all, self._loops = faces, loops
         self._searched: FloatArray | None = None
         self._candidates = np.empty(0, dtype=np.int64)
         self._skin = 0.0
@@ -100,14 +108,14 @@ class SurfacePairs:
                 stencils=stencils,
                 points=points,
                 friction=every.friction[line, face],
-                velocity=points.relative(stencils.gathered(v)),
+                moving=partial(stencils.relative, points, v),
                 label=every.labels[line, face],
                 sign=every.signs[line, face],
             )
 
     def velocities(self, touching: Touching, x: FloatArray, v: FloatArray, t: float) -> FloatArray:
         """Relative velocities at points of contact [m/s], shape (3, K)."""
-        return touching.points.relative(touching.stencils.gathered(v))
+        return touching.stencils.relative(touching.points, v)
 
     @property
     def stencils(self) -> tuple[Stencils, ...]:

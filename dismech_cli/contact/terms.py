@@ -10,6 +10,7 @@ import numpy as np
 from ..arrays import FloatArray
 from ..kernels.linearization import Linearization, Pattern
 from ..model.configuration import Configuration
+from .loops import Loops
 from .rubbing import slip
 from .stencils import GeneralPlaces, Stencils, SymmetricPlaces
 from .touching import Touching
@@ -22,6 +23,10 @@ NORMAL, FRICTION = "contact", "friction"
 
 class Found(Protocol):
     """What the terms share: who touches whom."""
+
+    @property
+    def loops(self) -> Loops:
+        """What sums over points."""
 
     @property
     def stencils(self) -> tuple[Stencils, ...]:
@@ -67,29 +72,25 @@ class NormalTerm:
     def add_residual(self, c: Configuration, r: FloatArray) -> None:
         """Add dE/dq."""
         for touching in self._found.touching(c):
-            touching.stencils.add(touching.points.item, touching.points.gradients(), r)
+            self._add(touching, r)
 
     def add_linearization(self, c: Configuration, into: Linearization) -> None:
         """Add dE/dq and d2E/dq2."""
+        loops = self._found.loops
         for touching in self._found.touching(c):
-            points, stencils = touching.points, touching.stencils
-            stencils.add(points.item, points.gradients(), into.residual)
-            if points.bend.any():
-                matrices = stencils.local(points.hessians())
-                self._places[touching.kind].add(points.item, matrices, into.stiffness)
-            else:
-                self._add_squares(touching, into)
+            self._add(touching, into.residual)
+            add = loops.add_hessians if touching.points.bend.any() else loops.add_squares
+            add(touching, self._places[touching.kind], into.stiffness)
 
     def add_convex_linearization(self, c: Configuration, into: Linearization) -> None:
         """Add dE/dq and what its Hessian has along the gaps (Gauss and Newton)."""
         for touching in self._found.touching(c):
-            touching.stencils.add(touching.points.item, touching.points.gradients(), into.residual)
-            self._add_squares(touching, into)
+            self._add(touching, into.residual)
+            self._found.loops.add_squares(touching, self._places[touching.kind], into.stiffness)
 
-    def _add_squares(self, touching: Touching, into: Linearization) -> None:
-        points, places = touching.points, self._places[touching.kind]
-        vectors = touching.stencils.flat(points.directions())
-        places.add_squares(points.item, points.along, vectors, into.stiffness)
+    def _add(self, touching: Touching, r: FloatArray) -> None:
+        points = touching.points
+        self._found.loops.add_forces(touching, points.pull * points.gap, r)
 
 
 class _Friction:
@@ -116,7 +117,7 @@ class _Friction:
     def add_residual(self, c: Configuration, r: FloatArray) -> None:
         """Subtract the force."""
         for touching in self._found.touching(c):
-            self._add(touching, r)
+            self._found.loops.add_forces(touching, self.forces(touching), r)
 
     def heat(self, c: Configuration, v: FloatArray) -> float:
         """Force times slip at all points [W]."""
@@ -134,18 +135,8 @@ class _Friction:
         turned = ((before * after).sum(axis=0) < 0.0) & (both > creep * creep)
         return bool((turned & (touching.points.load > 0.0) & (touching.friction > 0.0)).any())
 
-    def _add(self, touching: Touching, r: FloatArray) -> None:
-        points = touching.points
-        touching.stencils.add(points.item, points.weights[:, None] * self.forces(touching), r)
-
     def _tangents(self, touching: Touching) -> tuple[FloatArray, FloatArray]:
         return touching.points.friction_tangents(touching.friction, self._sharpness, touching.velocity)
-
-
-def _spread(touching: Touching, block: FloatArray) -> FloatArray:
-    """Blocks (3, 3, K) of points as matrices of the DOFs of their items."""
-    w = touching.points.weights
-    return touching.stencils.local(w[:, None, None, None] * w[None, :, None, None] * block)
 
 
 class SymmetricFriction(_Friction):
@@ -164,10 +155,10 @@ class SymmetricFriction(_Friction):
     def add_linearization(self, c: Configuration, into: Linearization) -> None:
         """Subtract the force and add its tangent to velocities."""
         for touching in self._found.touching(c):
-            self._add(touching, into.residual)
+            self._found.loops.add_forces(touching, self.forces(touching), into.residual)
             _, by_velocity = self._tangents(touching)
             places = self._places[touching.kind]
-            places.add(touching.points.item, _spread(touching, by_velocity), into.damping)
+            self._found.loops.add_symmetric(touching, places, by_velocity, into.damping)
 
     add_convex_linearization = add_linearization
 
@@ -184,10 +175,10 @@ class FullFriction(_Friction):
     def add_linearization(self, c: Configuration, into: Linearization) -> None:
         """Subtract the force and add its tangents."""
         for touching in self._found.touching(c):
-            self._add(touching, into.residual)
+            self._found.loops.add_forces(touching, self.forces(touching), into.residual)
             by_position, by_velocity = self._tangents(touching)
-            places, item = self._places[touching.kind], touching.points.item
-            places.add(item, _spread(touching, by_position), into.stiffness)
-            places.add(item, _spread(touching, by_velocity), into.damping)
+            places, add = self._places[touching.kind], self._found.loops.add_general
+            add(touching, places, by_position, into.stiffness)
+            add(touching, places, by_velocity, into.damping)
 
     add_convex_linearization = add_linearization

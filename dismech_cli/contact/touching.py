@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from ..arrays import FloatArray, IntArray
@@ -18,7 +19,7 @@ class Touching:
         stencils: Nodes of its items.
         points: The points.
         friction: Coefficient at each point, shape (K,).
-        velocity: Relative velocity at each point [m/s], shape (3, K).
+        moving: Gives the relative velocity at each point [m/s], shape (3, K): smooth contact never asks.
         label: Number of the pair of bodies at each point, shape (K,).
         sign: 1 where the line is of the first of that pair, else -1, shape (K,).
     """
@@ -27,6 +28,11 @@ class Touching:
     stencils: Stencils
     points: Points
     friction: FloatArray
-    velocity: FloatArray
+    moving: Callable[[], FloatArray]
     label: IntArray
     sign: FloatArray
+
+    @property
+    def velocity(self) -> FloatArray:
+        """Relative velocity at each point [m/s], shape (3, K)."""
+        return self.moving()

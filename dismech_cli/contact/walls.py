@@ -59,7 +59,7 @@ class Wall:
             stencils=self.stencils[0],
             points=points,
             friction=self.friction[points.item],
-            velocity=self.velocities(points, x, v, t),
+            moving=lambda: self.velocities(points, x, v, t),
             label=self.labels[points.item],
             sign=np.ones(len(points.item)),
         )
@@ -67,10 +67,10 @@ class Wall:
     def velocities(self, points: Points, x: FloatArray, v: FloatArray, t: float) -> FloatArray:
         """Velocities of the lines against the surface at points of contact [m/s], shape (3, K)."""
         (stencils,) = self.stencils
-        moved = points.relative(stencils.gathered(v))
+        moved = stencils.relative(points, v)
         if self.obstacle.pose.still:
             return moved
-        return moved - self.obstacle.pose.velocities(t, points.relative(stencils.gathered(x)))
+        return moved - self.obstacle.pose.velocities(t, stencils.relative(points, x))
 
     def gaps(self, x: FloatArray, t: float) -> FloatArray:
         """Distance of the middle of each line from the surface [m], shape (S,); below zero inside."""

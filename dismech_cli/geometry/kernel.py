@@ -26,6 +26,14 @@ def kernel(function: KernelT) -> KernelT:
     return function
 
 
+def loop(function: KernelT) -> KernelT:
+    """Mark ``function`` as a loop over arrays of its own, which may branch and call kernels.
+
+    It is what a driver that compiles runs in place of a batch that does the same.
+    """
+    return kernel(function)
+
+
 def operation(batch: Callable[..., Any]) -> Callable[[KernelT], KernelT]:
     """Mark a vector operation whose last argument is a vector or block.
 
@@ -37,6 +45,20 @@ def operation(batch: Callable[..., Any]) -> Callable[[KernelT], KernelT]:
         @wraps(text)
         def choose(*arguments: Any) -> Any:
             return (text if type(arguments[-1]) is tuple else batch)(*arguments)
+
+        _MARKED.append((choose, text))
+        return choose  # type: ignore[return-value]
+
+    return mark
+
+
+def selection(batch: Callable[..., Any]) -> Callable[[KernelT], KernelT]:
+    """Mark an operation on numbers whose compiled text branches; outside compiled loops ``batch`` does it."""
+
+    def mark(text: KernelT) -> KernelT:
+        @wraps(text)
+        def choose(*arguments: Any) -> Any:
+            return batch(*arguments)
 
         _MARKED.append((choose, text))
         return choose  # type: ignore[return-value]

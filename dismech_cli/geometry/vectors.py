@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from .kernel import operation
+from .kernel import operation, selection
 
 Vector = Any
 Block = Any
@@ -37,6 +37,12 @@ def _dot(a: Any, b: Any) -> Any:
     out += products[1]
     out += products[2]
     return out
+
+
+@selection(np.where)
+def where(condition: Any, a: Any, b: Any) -> Any:
+    """Return a where a condition holds, else b."""
+    return a if condition else b
 
 
 @operation(lambda a, b: a + b)

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeVar
 
 from ..arrays import FloatArray, IntArray
 from .linearization import Linearization, Pattern
 from .shape import DragKernel, Kernel, LoadKernel, RateKernel
+
+LoopT = TypeVar("LoopT", bound=Callable[..., Any])
 
 
 class StencilLoop(Protocol):
@@ -98,3 +100,6 @@ class Driver(Protocol):
 
     def map(self, function: Callable[[Any], Any], inputs: FloatArray, outputs: int) -> FloatArray:
         """Apply a kernel column by column: (inputs, k) to (outputs, k)."""
+
+    def compiled(self, loop: LoopT) -> LoopT | None:
+        """A marked loop compiled, from its first call on; None where batches serve in its place."""

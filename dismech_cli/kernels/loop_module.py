@@ -43,12 +43,11 @@ class LoopModule:
             self._warn(error)
             self._module = self._elsewhere()
 
-    def run(self, loop: str, *arguments: Any) -> None:
+    def run(self, loop: str, *arguments: Any) -> Any:
         """Call a loop by its name."""
         while True:
             try:
-                getattr(self._module, loop)(*arguments)
-                return
+                return getattr(self._module, loop)(*arguments)
             except Exception as error:
                 if not self._repairs or _is_mistake(error):
                     raise

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
-from typing import Any
+from functools import cache, partial
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import FloatArray, IntArray
-from .driver import DragLoop, LoadLoop, RateLoop, StencilLoop
+from .driver import DragLoop, LoadLoop, LoopT, RateLoop, StencilLoop
 from .linearization import Linearization, Pattern
 from .loop_module import LoopModule
-from .numba_source import drag_source, load_source, map_source, rate_source, stencil_source
+from .numba_source import call_source, drag_source, load_source, map_source, rate_source, stencil_source
 from .shape import DragKernel, Kernel, LoadKernel, RateKernel
 
 
@@ -200,6 +200,11 @@ def _map_loop(function: Callable[..., Any], inputs: int, outputs: int) -> LoopMo
     return LoopModule(function, "map", map_source(function, inputs, outputs))
 
 
+@cache
+def _call_loop(function: Callable[..., Any]) -> LoopModule:
+    return LoopModule(function, "call", call_source(function))
+
+
 @dataclass(frozen=True, slots=True)
 class NumbaDriver:
     """Compiled loops; needs the extra ``[fast]``."""
@@ -227,3 +232,7 @@ class NumbaDriver:
         out = np.empty((outputs, inputs.shape[1]))
         _map_loop(function, len(inputs), outputs).run("loop", inputs, out)
         return out
+
+    def compiled(self, loop: LoopT) -> LoopT | None:
+        """The loop, compiled when it is first called."""
+        return cast(LoopT, partial(_call_loop(loop).run, "loop"))

@@ -8,6 +8,7 @@ each. As modules on disk the loops can be cached by Numba, which closures cannot
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from inspect import signature
 from typing import Any
 
 import numpy as np
@@ -175,6 +176,12 @@ def loop(x, out):
         {out}
 """
 
+_CALL = """
+@jit
+def loop({arguments}):
+    return kernel({arguments})
+"""
+
 
 def stencil_source(kernel: Kernel) -> str:
     """Module text of an energy kernel: ``energies``, ``residual``, ``linearization``."""
@@ -247,6 +254,11 @@ def map_source(function: Callable[..., Any], inputs: int, outputs: int) -> str:
         x=_tuple([f"x[{k}, s]" for k in range(inputs)]),
         out="\n        ".join(f"out[{k}, s] = y[{k}]" for k in range(outputs)),
     )
+
+
+def call_source(function: Callable[..., Any]) -> str:
+    """Module text of a function that has loops of its own: ``loop``."""
+    return _header(function) + _CALL.format(arguments=", ".join(signature(function).parameters))
 
 
 def _header(function: Callable[..., Any]) -> str:

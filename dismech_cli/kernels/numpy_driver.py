@@ -10,7 +10,7 @@ import numpy as np
 from scipy.sparse import csr_matrix
 
 from ..arrays import FloatArray, IntArray
-from .driver import DragLoop, LoadLoop, RateLoop, StencilLoop
+from .driver import DragLoop, LoadLoop, LoopT, RateLoop, StencilLoop
 from .linearization import Linearization, Pattern
 from .numpy_rates import NumpyRateLoop
 from .shape import DragKernel, Kernel, LoadKernel, RateKernel
@@ -241,3 +241,7 @@ class NumpyDriver:
     def map(self, function: Callable[[Any], Any], inputs: FloatArray, outputs: int) -> FloatArray:
         """Apply a kernel column by column."""
         return _rows(function(inputs), inputs.shape[1])
+
+    def compiled(self, loop: LoopT) -> LoopT | None:
+        """None: batches."""
+        return None

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
-from .driver import DragLoop, Driver, LoadLoop, RateLoop, StencilLoop
+from .driver import DragLoop, Driver, LoadLoop, LoopT, RateLoop, StencilLoop
 from .linearization import Linearization, Pattern
 from .numpy_driver import NumpyDriver
 from .shape import DragKernel, Kernel, LoadKernel, RateKernel
@@ -126,3 +126,7 @@ class ProjectedDriver:
     def map(self, function: Callable[[Any], Any], inputs: FloatArray, outputs: int) -> FloatArray:
         """Apply a kernel column by column."""
         return self.driver.map(function, inputs, outputs)
+
+    def compiled(self, loop: LoopT) -> LoopT | None:
+        """The driver's loop."""
+        return self.driver.compiled(loop)

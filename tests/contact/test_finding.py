@@ -7,6 +7,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from touching_rods import neighbours
 
+from dismech_cli.contact.batches import Batches
 from dismech_cli.contact.candidates import near_pairs
 from dismech_cli.contact.exclusion import near_along
 from dismech_cli.contact.neighbours import distances
@@ -31,7 +32,7 @@ def test_distances_of_segments_by_sampling() -> None:
     ends = rng.normal(size=(2, 2, 3, count))
     ends[1, 1, :, :100] = ends[1, 0, :, :100] + (ends[0, 1] - ends[0, 0])[:, :100]  # parallel
     ends[1, 0, :, 100:120] = ends[0, 1, :, 100:120]  # sharing an end
-    found = distances(ends)
+    found = distances(ends.reshape(4, 3, count))
     s = np.linspace(0.0, 1.0, 161)
     a = ends[0, 0] + s[:, None, None] * (ends[0, 1] - ends[0, 0])
     b = ends[1, 0] + s[:, None, None] * (ends[1, 1] - ends[1, 0])
@@ -42,7 +43,7 @@ def test_distances_of_segments_by_sampling() -> None:
     assert (found <= sampled + 1e-12).all()
     assert (sampled - found < lengths / 320.0 + 1e-12).all()
     assert_allclose(found[100:120], 0.0, atol=1e-12)
-    swapped = distances(ends[::-1])
+    swapped = distances(ends[::-1].reshape(4, 3, count))
     assert_allclose(swapped, found, atol=1e-12)
 
 
@@ -69,7 +70,7 @@ def crossing(gap: float) -> tuple[RodPairs, np.ndarray]:
     found, x = neighbours(
         [np.stack((s, 0 * s, 0 * s), axis=1), np.stack((0 * s, s, 0 * s + gap), axis=1)], 0.01
     )
-    return RodPairs(found), x
+    return RodPairs(found, Batches()), x
 
 
 @pytest.mark.parametrize("way", [0.5, 3.0, 50.0])

@@ -7,6 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 from touching_sheets import energy, faces, flat, gradient
 
+from dismech_cli.contact.batches import Batches
 from dismech_cli.contact.surface_pairs import SurfacePairs
 
 H = 1.0
@@ -119,9 +120,9 @@ def test_a_sheet_that_falls_through_another_is_stopped() -> None:
     start, end = x.copy(), x.copy()
     upper = np.arange(len(x)) >= len(flat(8.0, 2.0)[0])
     start[upper, 2], end[upper, 2] = 2.0, -50.0
-    part = SurfacePairs(found).longest_step(start, end, 0.0, 1.0)
+    part = SurfacePairs(found, Batches()).longest_step(start, end, 0.0, 1.0)
     height = 2.0 - 52.0 * part
     assert 0.5 * H <= height < 0.7 * H
     # what moves along is free
     end = start + np.array([1.0, 0.0, 100.0])
-    assert SurfacePairs(found).longest_step(start, end, 0.0, 1.0) == 1.0
+    assert SurfacePairs(found, Batches()).longest_step(start, end, 0.0, 1.0) == 1.0

@@ -8,6 +8,7 @@ from typing import TypeAlias
 import numpy as np
 
 from dismech_cli.arrays import FloatArray, IntArray
+from dismech_cli.contact.batches import Batches
 from dismech_cli.contact.exclusion import near_along
 from dismech_cli.contact.faces import Faces
 from dismech_cli.contact.lines import Lines
@@ -94,14 +95,14 @@ def faces(
 
 def energy(found: Faces, x: FloatArray) -> float:
     """Energy of contact [J]."""
-    pairs = SurfacePairs(found)
+    pairs = SurfacePairs(found, Batches())
     pairs.detect(x)
     return sum(float(t.points.energy.sum()) for t in pairs.touching(x, 0.0 * x, 0.0, 1.0))
 
 
 def gradient(found: Faces, x: FloatArray) -> FloatArray:
     """Its derivative to the nodes [N], shape (N, 3)."""
-    pairs = SurfacePairs(found)
+    pairs = SurfacePairs(found, Batches())
     pairs.detect(x)
     r = np.zeros(x.size)
     for touching in pairs.touching(x, 0.0 * x, 0.0, 1.0):

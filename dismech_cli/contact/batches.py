@@ -1,0 +1,71 @@
+"""Pairs and points of contact by NumPy; implements :class:`.loops.Loops`."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from ..arrays import FloatArray, IntArray
+from .cores import beside, facing_node
+from .neighbours import distances
+from .points import Points, round_points
+from .stencils import GeneralPlaces, SymmetricPlaces
+from .touching import Touching
+
+
+class Batches:
+    """Many at once."""
+
+    def segment_distances(self, x: FloatArray, nodes: IntArray) -> FloatArray:
+        """Distances of lines from segments."""
+        return distances(np.ascontiguousarray(x[nodes].transpose(1, 2, 0)))
+
+    def segment_points(
+        self, x: FloatArray, nodes: IntArray, rows: IntArray, reach: FloatArray, factor: FloatArray
+    ) -> Points:
+        """Points of contact of lines with segments."""
+        start, end, first, second = x[nodes[rows]].transpose(1, 2, 0)
+        points = round_points(beside(start, end - start, first, second), reach, factor)
+        return replace(points, item=rows[points.item])
+
+    def vertex_points(
+        self, x: FloatArray, nodes: IntArray, rows: IntArray, reach: FloatArray, factor: FloatArray
+    ) -> Points:
+        """Points of contact of lines with vertices."""
+        start, end, vertex = x[nodes[rows]].transpose(1, 2, 0)
+        points = round_points(facing_node(start, end - start, vertex), reach, factor)
+        return replace(points, item=rows[points.item])
+
+    def add_forces(self, touching: Touching, vector: FloatArray, r: FloatArray) -> None:
+        """Add weights times a vector of each point."""
+        points = touching.points
+        touching.stencils.add(points.item, points.weights[:, None] * vector, r)
+
+    def add_squares(self, touching: Touching, places: SymmetricPlaces, values: FloatArray) -> None:
+        """Add what the second derivatives have along the gaps."""
+        points = touching.points
+        places.add_squares(points.item, points.along, touching.stencils.flat(points.directions()), values)
+
+    def add_hessians(self, touching: Touching, places: SymmetricPlaces, values: FloatArray) -> None:
+        """Add the second derivatives."""
+        points = touching.points
+        places.add(points.item, touching.stencils.local(points.hessians()), values)
+
+    def add_symmetric(
+        self, touching: Touching, places: SymmetricPlaces, block: FloatArray, values: FloatArray
+    ) -> None:
+        """Add w_i w_j times a symmetric block of each point."""
+        places.add(touching.points.item, _spread(touching, block), values)
+
+    def add_general(
+        self, touching: Touching, places: GeneralPlaces, block: FloatArray, values: FloatArray
+    ) -> None:
+        """Add w_i w_j times a block of each point."""
+        places.add(touching.points.item, _spread(touching, block), values)
+
+
+def _spread(touching: Touching, block: FloatArray) -> FloatArray:
+    """Blocks (3, 3, K) of points as matrices of the DOFs of their items."""
+    w = touching.points.weights
+    return touching.stencils.local(w[:, None, None, None] * w[None, :, None, None] * block)

@@ -1,0 +1,65 @@
+"""What is done to many pairs or points at once, by NumPy or by compiled loops."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from ..arrays import FloatArray, IntArray
+from ..kernels.driver import Driver
+from .batches import Batches
+from .compiled import Compiled
+from .points import Points
+from .stencils import GeneralPlaces, SymmetricPlaces
+from .touching import Touching
+
+
+class Loops(Protocol):
+    """All places of nodes are x (N, 3) [m]; both kinds agree to rounding.
+
+    Points may come in another order.
+    """
+
+    def segment_distances(self, x: FloatArray, nodes: IntArray) -> FloatArray:
+        """Distances of lines from segments, nodes (P, 4) [m], shape (P,)."""
+
+    def segment_points(
+        self, x: FloatArray, nodes: IntArray, rows: IntArray, reach: FloatArray, factor: FloatArray
+    ) -> Points:
+        """Points of contact of lines with segments, by the row of each; valid until the next call.
+
+        Args:
+            x: Nodes.
+            nodes: Of lines and segments, shape (S, 4).
+            rows: Those to look at, shape (K,).
+            reach: Of these [m], shape (K,).
+            factor: Of these, stiffness times rest length times sign [N/m], shape (K,).
+        """
+
+    def vertex_points(
+        self, x: FloatArray, nodes: IntArray, rows: IntArray, reach: FloatArray, factor: FloatArray
+    ) -> Points:
+        """The same with vertices, nodes (S, 3)."""
+
+    def add_forces(self, touching: Touching, vector: FloatArray, r: FloatArray) -> None:
+        """Add weights times a vector (3, K) of each point to ``r``, shape (n,)."""
+
+    def add_squares(self, touching: Touching, places: SymmetricPlaces, values: FloatArray) -> None:
+        """Add what the second derivatives have along the gaps to stored values (slots,)."""
+
+    def add_hessians(self, touching: Touching, places: SymmetricPlaces, values: FloatArray) -> None:
+        """Add the second derivatives to stored values (slots,)."""
+
+    def add_symmetric(
+        self, touching: Touching, places: SymmetricPlaces, block: FloatArray, values: FloatArray
+    ) -> None:
+        """Add w_i w_j times a symmetric block (3, 3, K) of each point to stored values (slots,)."""
+
+    def add_general(
+        self, touching: Touching, places: GeneralPlaces, block: FloatArray, values: FloatArray
+    ) -> None:
+        """The same where the block is not symmetric."""
+
+
+def loops_of(driver: Driver) -> Loops:
+    """Those that a driver runs."""
+    return Compiled.of(driver) or Batches()
