@@ -2,16 +2,40 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
 from .cores import beside, facing_node
+from .faces import boxes_apart, face_pieces
 from .neighbours import distances
+from .pieces import Pieces
 from .points import Points, round_points
 from .stencils import GeneralPlaces, SymmetricPlaces
 from .touching import Touching
+
+
+@dataclass(frozen=True, slots=True)
+class Cut:
+    """Lines cut into pieces; implements :class:`.loops.Near`.
+
+    Attributes:
+        kept: Which of the pairs these are, shape (K,).
+        distance: Of these [m], shape (K,).
+        pieces: Of the lines of these.
+    """
+
+    kept: IntArray
+    distance: FloatArray
+    pieces: Pieces
+
+    def points(
+        self, which: IntArray, nodes: IntArray, rows: IntArray, reach: FloatArray, factor: FloatArray
+    ) -> Points:
+        """Points of contact of some of them."""
+        points = round_points(self.pieces.of_items(which), reach, factor)
+        return replace(points, item=rows[points.item])
 
 
 class Batches:
@@ -36,6 +60,20 @@ class Batches:
         start, end, vertex = x[nodes[rows]].transpose(1, 2, 0)
         points = round_points(facing_node(start, end - start, vertex), reach, factor)
         return replace(points, item=rows[points.item])
+
+    def boxes_apart(self, x: FloatArray, more: FloatArray, nodes: IntArray) -> FloatArray:
+        """Distances of the boxes of lines and triangles at two places of the nodes."""
+        return boxes_apart(x, more, nodes)
+
+    def look(self, x: FloatArray, nodes: IntArray, limit: FloatArray) -> Cut:
+        """Lines and triangles that are nearer than a limit, by their boxes at least."""
+        kept = np.flatnonzero(boxes_apart(x, x, nodes) < limit)
+        pieces = face_pieces(x, nodes[kept])
+        return Cut(kept, pieces.nearest(len(kept)), pieces)
+
+    def face_distances(self, x: FloatArray, nodes: IntArray) -> FloatArray:
+        """Distances of lines from triangles."""
+        return face_pieces(x, nodes).nearest(len(nodes))
 
     def add_forces(self, touching: Touching, vector: FloatArray, r: FloatArray) -> None:
         """Add weights times a vector of each point."""

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..arrays import FloatArray, IntArray
 from ..kernels.driver import Driver
-from . import line_loops, point_loops, sum_loops
+from . import face_loops, line_loops, point_loops, sum_loops
 from .points import Points
 from .stencils import GeneralPlaces, SymmetricPlaces
 from .touching import Touching
@@ -72,12 +72,38 @@ class _PointsOf:
 
 
 @dataclass(frozen=True, slots=True)
+class Measured:
+    """Lines and triangles whose distance is known; implements :class:`.loops.Near`.
+
+    Attributes:
+        x: The nodes [m], shape (N, 3).
+        kept: Which of the pairs these are, shape (K,).
+        distance: Of these [m], shape (K,).
+        find: Finds their points of contact.
+    """
+
+    x: FloatArray
+    kept: IntArray
+    distance: FloatArray
+    find: _PointsOf
+
+    def points(
+        self, which: IntArray, nodes: IntArray, rows: IntArray, reach: FloatArray, factor: FloatArray
+    ) -> Points:
+        """Points of contact of some of them."""
+        return self.find(self.x, nodes, rows, reach, factor)
+
+
+@dataclass(frozen=True, slots=True)
 class Compiled:
     """One after the other."""
 
     segment_points: _PointsOf
     vertex_points: _PointsOf
+    face_points: _PointsOf
     distances: _Loop
+    to_faces: _Loop
+    boxes: _Loop
     weighted: _Loop
     squares: _Loop
     hessians: _Loop
@@ -91,7 +117,10 @@ class Compiled:
         names = (
             line_loops.segment_pieces,
             line_loops.vertex_pieces,
+            face_loops.face_pieces,
             line_loops.segment_distances,
+            face_loops.face_distances,
+            face_loops.boxes_apart,
             sum_loops.add_weighted,
             sum_loops.add_squares,
             sum_loops.add_hessians,
@@ -101,13 +130,34 @@ class Compiled:
         loops = [made for one in names if (made := driver.compiled(one)) is not None]
         if fill is None or len(loops) < len(names):
             return None
-        segments, vertices, *others = loops
-        return cls(_PointsOf(segments, fill, 2), _PointsOf(vertices, fill, 1), *others)
+        segments, vertices, faces, *others = loops
+        return cls(
+            _PointsOf(segments, fill, 2), _PointsOf(vertices, fill, 1), _PointsOf(faces, fill, 3), *others
+        )
 
     def segment_distances(self, x: FloatArray, nodes: IntArray) -> FloatArray:
         """Distances of lines from segments."""
         out = np.empty(len(nodes))
         self.distances(x, nodes, out)
+        return out
+
+    def boxes_apart(self, x: FloatArray, more: FloatArray, nodes: IntArray) -> FloatArray:
+        """Distances of the boxes of lines and triangles at two places of the nodes."""
+        out = np.empty(len(nodes))
+        self.boxes(x, more, nodes, out)
+        return out
+
+    def look(self, x: FloatArray, nodes: IntArray, limit: FloatArray) -> Measured:
+        """Lines and triangles that are nearer than a limit, by their boxes at least."""
+        out = np.empty(len(nodes))
+        self.to_faces(x, nodes, limit, out)
+        kept = np.flatnonzero(np.isfinite(out))
+        return Measured(x, kept, out[kept], self.face_points)
+
+    def face_distances(self, x: FloatArray, nodes: IntArray) -> FloatArray:
+        """Distances of lines from triangles."""
+        out = np.empty(len(nodes))
+        self.to_faces(x, nodes, np.full(len(nodes), np.inf), out)
         return out
 
     def add_forces(self, touching: Touching, vector: FloatArray, r: FloatArray) -> None:

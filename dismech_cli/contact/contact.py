@@ -87,24 +87,26 @@ class Contact:
 
     def start(self, driver: Driver) -> Contacts:
         """What the terms share, with the terms."""
-        return Contacts(self, loops_of(driver))
+        return Contacts(self, driver)
 
 
 class Contacts:
     """Who touches whom; implements :class:`~dismech_cli.model.term.ChangingSet`."""
 
-    def __init__(self, contact: Contact, loops: Loops) -> None:
-        self._contact, self.loops = contact, loops
+    def __init__(self, contact: Contact, driver: Driver) -> None:
+        self._contact = contact
+        self.loops: Loops = loops_of(driver)
         # in this step, before it, and in the next
         self._now = self._early = self._later = Hardness()
         self._deepest = self._by_end = np.zeros(len(contact.lines.nodes))
         self._worst = self._worst_by_end = np.zeros(4)
         self._end = np.empty((0, 3))
+        # each has loops of its own: what it found last stays until it looks again
         self._sources: tuple[Source, ...] = tuple(NearWall(wall) for wall in contact.walls)
         if contact.neighbours is not None:
-            self._sources = (*self._sources, RodPairs(contact.neighbours, loops))
+            self._sources = (*self._sources, RodPairs(contact.neighbours, loops_of(driver)))
         if contact.faces is not None:
-            self._sources = (*self._sources, SurfacePairs(contact.faces, loops))
+            self._sources = (*self._sources, SurfacePairs(contact.faces, loops_of(driver)))
         self.couplings: tuple[Coupling, ...] = ()
         self._list()
         self._at: Configuration | None = None

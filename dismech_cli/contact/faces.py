@@ -81,24 +81,14 @@ class Faces:
         )
         return scale
 
-    def pieces(self, x: FloatArray, pairs: IntArray) -> Pieces:
-        """Pieces of the lines by what they face of their triangles, with nodes at (N, 3) [m]."""
-        start, end = x[self.lines.nodes[pairs[:, 0]]].transpose(1, 2, 0)
-        corners = np.ascontiguousarray(x[self.surface.nodes[pairs[:, 1]]].transpose(1, 2, 0))
-        return facing(np.ascontiguousarray(start), end - start, corners)
-
-    def apart(self, x: FloatArray, more: FloatArray, pairs: IntArray) -> FloatArray:
-        """Distance of the boxes of the pairs at two places of the nodes (N, 3) [m], shape (P,).
-
-        It is no more than the least distance on the straight way between the two.
-        """
+    def nodes(self, pairs: IntArray) -> IntArray:
+        """Nodes of the lines and of the triangles of pairs (P, 2), shape (P, 5)."""
         line, face = self.lines.nodes[pairs[:, 0]], self.surface.nodes[pairs[:, 1]]
-        low, high = np.minimum(x, more), np.maximum(x, more)
-        over = np.maximum(
-            low[line].min(axis=1) - high[face].max(axis=1), low[face].min(axis=1) - high[line].max(axis=1)
-        )
-        gap = np.maximum(over, 0.0)
-        return np.asarray(np.sqrt((gap * gap).sum(axis=1)))
+        return np.concatenate((line, face), axis=1)
+
+    def distances(self, x: FloatArray, pairs: IntArray) -> FloatArray:
+        """Distances of pairs (P, 2), with nodes at (N, 3) [m], shape (P,)."""
+        return face_pieces(x, self.nodes(pairs)).nearest(len(pairs))
 
     def search(self, x: FloatArray, more: float) -> IntArray:
         """Keys of pairs that may be within reach and ``more`` [m] of each other, ascending."""
@@ -114,7 +104,7 @@ class Faces:
         pairs[:, 0] = self.numbers[pairs[:, 0]]
         line, face = self.bodies(pairs)
         pairs = pairs[self.labels[line, face] >= 0]
-        pairs = pairs[self.apart(x, x, pairs) < self.thickness(pairs) + more]
+        pairs = pairs[boxes_apart(x, x, self.nodes(pairs)) < self.thickness(pairs) + more]
         keys = np.sort(self.keys(pairs))
         return keys[~among(keys, self.excluded)]
 
@@ -124,3 +114,23 @@ def _balls(corners: FloatArray) -> tuple[FloatArray, FloatArray]:
     middle = corners.mean(axis=1)
     out = corners - middle[:, None]
     return middle, np.sqrt((out * out).sum(axis=2).max(axis=1))
+
+
+def face_pieces(x: FloatArray, nodes: IntArray) -> Pieces:
+    """Pieces of lines by what they face of a triangle each, nodes (P, 5) at (N, 3) [m]."""
+    places = np.ascontiguousarray(x[nodes].transpose(1, 2, 0))
+    return facing(places[0], places[1] - places[0], places[2:])
+
+
+def boxes_apart(x: FloatArray, more: FloatArray, nodes: IntArray) -> FloatArray:
+    """Distances of the boxes of lines and triangles, nodes (P, 5), at two places of the nodes (N, 3) [m].
+
+    They are no more than the least distance on the straight way between the two.
+    """
+    low, high = np.minimum(x, more), np.maximum(x, more)
+    line, face = nodes[:, :2], nodes[:, 2:]
+    over = np.maximum(
+        low[line].min(axis=1) - high[face].max(axis=1), low[face].min(axis=1) - high[line].max(axis=1)
+    )
+    gap = np.maximum(over, 0.0)
+    return np.asarray(np.sqrt((gap * gap).sum(axis=1)))

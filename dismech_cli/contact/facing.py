@@ -8,14 +8,28 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
-from .cores import beside, facing_node
 from .faces import Faces
-from .pieces import Pieces
-from .points import Points, round_points
+from .loops import Loops, Near
+from .points import Points
 from .surface import Junctions, owners
 
 # The secant is that of so much of the reach where a line passes through what it faces.
 _NEAR = 1e-3
+
+
+@dataclass(frozen=True, slots=True)
+class Rows:
+    """Pairs within reach.
+
+    Attributes:
+        rows: Which of those that may face each other, ascending, shape (K,).
+        which: Which of those that were measured, shape (K,).
+        reach: Of these [m], shape (K,).
+    """
+
+    rows: IntArray
+    which: IntArray
+    reach: FloatArray
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,63 +54,47 @@ class Facing:
     def of(cls, faces: Faces, keys: IntArray) -> Facing:
         """Of some pairs."""
         pairs = faces.pairs(keys)
-        line, triangle = faces.lines.nodes[pairs[:, 0]], faces.surface.nodes[pairs[:, 1]]
-        junctions = Junctions.of(pairs[:, 0], line, triangle)
-        return cls(faces, keys, pairs, np.concatenate((line, triangle), axis=1), junctions)
+        nodes = faces.nodes(pairs)
+        junctions = Junctions.of(pairs[:, 0], nodes[:, :2], nodes[:, 2:])
+        return cls(faces, keys, pairs, nodes, junctions)
 
     def points(
-        self, x: FloatArray, rows: IntArray, pieces: Pieces, reach: FloatArray, factor: FloatArray
+        self, loops: Loops, x: FloatArray, near: Near, at: Rows, factor: FloatArray
     ) -> Iterator[tuple[int, Points, IntArray]]:
         """Points of contact by kind: with triangles, sides and corners; and a pair that each belongs to.
 
         Args:
+            loops: What finds points.
             x: Nodes [m], shape (N, 3).
-            rows: Pairs within reach, ascending, shape (K,).
-            pieces: Of these, item k that of row k.
-            reach: Of these [m], shape (K,).
+            near: Lines and triangles that were measured there.
+            at: Those within reach, K of them.
             factor: Stiffness times rest length of these [N/m], shape (K,).
         """
+        rows, reach = at.rows, at.reach
         if not len(rows):
             return
-        points = round_points(pieces, reach, factor)
-        points = _stiff(points, reach[points.item])
-        item = rows[points.item]
-        yield 0, replace(points, item=item), item
+        points = near.points(at.which, self.nodes, rows, reach, factor)
         full_reach, full_factor = np.zeros((2, len(self.keys)))
         full_reach[rows], full_factor[rows] = reach, factor
+        yield 0, _stiff(points, full_reach[points.item]), points.item
         j = self.junctions
         side_weight, corner_weight = j.coefficients(rows)
         side = np.flatnonzero(side_weight)
         owner = owners(j.sides_of, rows, len(j.sides))
         if len(side):
-            start, end, first, second = _gathered(x, j.sides[side])
             own = owner[side]
-            points = round_points(
-                beside(start, end - start, first, second),
-                full_reach[own],
-                side_weight[side] * full_factor[own],
-            )
-            item = side[points.item]
-            points = _stiff(points, full_reach[owner[item]])
-            yield 1, replace(points, item=item), owner[item]
+            scale = side_weight[side] * full_factor[own]
+            points = loops.segment_points(x, j.sides, side, full_reach[own], scale)
+            of = owner[points.item]
+            yield 1, _stiff(points, full_reach[of]), of
         corner = np.flatnonzero(corner_weight)
         owner = owners(j.corners_of, rows, len(j.corners))
         if len(corner):
-            start, end, vertex = _gathered(x, j.corners[corner])
             own = owner[corner]
-            points = round_points(
-                facing_node(start, end - start, vertex),
-                full_reach[own],
-                corner_weight[corner] * full_factor[own],
-            )
-            item = corner[points.item]
-            points = _stiff(points, full_reach[owner[item]])
-            yield 2, replace(points, item=item), owner[item]
-
-
-def _gathered(x: FloatArray, nodes: IntArray) -> FloatArray:
-    """Places of nodes (K, n) [m], shape (n, 3, K)."""
-    return np.ascontiguousarray(x[nodes].transpose(1, 2, 0))
+            scale = corner_weight[corner] * full_factor[own]
+            points = loops.vertex_points(x, j.corners, corner, full_reach[own], scale)
+            of = owner[points.item]
+            yield 2, _stiff(points, full_reach[of]), of
 
 
 def _stiff(points: Points, reach: FloatArray) -> Points:

@@ -13,6 +13,36 @@ from .stencils import GeneralPlaces, SymmetricPlaces
 from .touching import Touching
 
 
+class Near(Protocol):
+    """Lines and triangles that were measured.
+
+    Attributes:
+        kept: Which of the pairs these are, ascending, shape (K,).
+        distance: Of these [m], shape (K,).
+    """
+
+    @property
+    def kept(self) -> IntArray:
+        """See the class."""
+
+    @property
+    def distance(self) -> FloatArray:
+        """See the class."""
+
+    def points(
+        self, which: IntArray, nodes: IntArray, rows: IntArray, reach: FloatArray, factor: FloatArray
+    ) -> Points:
+        """Points of contact of some of them; valid until the next call.
+
+        Args:
+            which: Of the pairs that are kept, ascending, shape (K,).
+            nodes: Of lines and triangles, shape (S, 5).
+            rows: Where these pairs are among them, shape (K,): the items.
+            reach: Of these [m], shape (K,).
+            factor: Of these, stiffness times rest length times sign [N/m], shape (K,).
+        """
+
+
 class Loops(Protocol):
     """All places of nodes are x (N, 3) [m]; both kinds agree to rounding.
 
@@ -39,6 +69,15 @@ class Loops(Protocol):
         self, x: FloatArray, nodes: IntArray, rows: IntArray, reach: FloatArray, factor: FloatArray
     ) -> Points:
         """The same with vertices, nodes (S, 3)."""
+
+    def boxes_apart(self, x: FloatArray, more: FloatArray, nodes: IntArray) -> FloatArray:
+        """Distances of the boxes of lines and triangles, nodes (P, 5), at two places of the nodes [m]."""
+
+    def look(self, x: FloatArray, nodes: IntArray, limit: FloatArray) -> Near:
+        """Lines and triangles, nodes (P, 5), nearer than a limit (P,) [m], by their boxes at least."""
+
+    def face_distances(self, x: FloatArray, nodes: IntArray) -> FloatArray:
+        """Distances of lines from triangles, nodes (P, 5) [m], shape (P,)."""
 
     def add_forces(self, touching: Touching, vector: FloatArray, r: FloatArray) -> None:
         """Add weights times a vector (3, K) of each point to ``r``, shape (n,)."""

@@ -40,7 +40,7 @@ def with_exclusions(faces: Faces, x: FloatArray, line_pairs: IntArray, sides: In
     thick = float(faces.lines.radii.max() + faces.surface.halves.max())
     around = found.search(x, (0.5 * pi - 1.0) * thick)
     pairs = found.pairs(around)
-    distance = found.pieces(x, pairs).nearest(len(pairs))
+    distance = found.distances(x, pairs)
     close = distance < 0.5 * pi * found.thickness(pairs)
     found = replace(found, excluded=_grown(found, near, around[close]))
     left = ~among(around, found.excluded)

@@ -14,9 +14,8 @@ from ..model.term import Memory
 from .advance import longest_way
 from .candidates import among
 from .faces import Faces
-from .facing import Facing
-from .loops import Loops
-from .pieces import Pieces
+from .facing import Facing, Rows
+from .loops import Loops, Near
 from .placed import Placed
 from .source import Depths
 from .stencils import Stencils
@@ -44,15 +43,18 @@ class _Seen:
         x: The nodes [m], shape (N, 3).
         keys: Of the pairs, ascending, shape (P,).
         reach: Distance at which they touch [m], shape (P,).
-        distance: [m], shape (P,).
-        pieces: Of their lines.
+        near: What was measured of them.
     """
 
     x: FloatArray
     keys: IntArray
     reach: FloatArray
-    distance: FloatArray
-    pieces: Pieces
+    near: Near
+
+    @property
+    def distance(self) -> FloatArray:
+        """Of the pairs [m], shape (P,)."""
+        return self.near.distance
 
     def within(self, margin: float) -> IntArray:
         """Keys of those within reach and a margin in units of it."""
@@ -74,6 +76,7 @@ class SurfacePairs:
         self._all, self._loops = faces, loops
         self._searched: FloatArray | None = None
         self._candidates = np.empty(0, dtype=np.int64)
+        self._nodes, self._reach = np.empty((0, 5), dtype=np.int64), np.empty(0)
         self._skin = 0.0
         self._thick = 2.0 * max(
             float(faces.lines.radii[faces.numbers].max(initial=0.0)), float(faces.surface.halves.max())
@@ -97,20 +100,20 @@ class SurfacePairs:
 
     def touching(self, x: FloatArray, v: FloatArray, t: float, factor: float) -> Iterator[Touching]:
         """Lines against triangles, and what sides and corners of these count too much."""
-        every, facing = self._all, self._facing
-        rows, pieces, pairs, reach = self._within(self._look(x), facing)
-        points_of = facing.points(x, rows, pieces, reach, factor * every.factor(pairs))
-        for kind, points, owner in points_of:
-            line, face = every.bodies(facing.pairs[owner])
+        facing = self._facing
+        seen = self._look(x)
+        at = self._within(seen)
+        scale = factor * self._scale[at.rows]
+        for kind, points, owner in facing.points(self._loops, x, seen.near, at, scale):
             stencils = self._stencils[kind]
             yield Touching(
                 kind=kind,
                 stencils=stencils,
                 points=points,
-                friction=every.friction[line, face],
+                friction=self._friction[owner],
                 moving=partial(stencils.relative, points, v),
-                label=every.labels[line, face],
-                sign=every.signs[line, face],
+                label=self._labels[owner],
+                sign=self._signs[owner],
             )
 
     def velocities(self, touching: Touching, x: FloatArray, v: FloatArray, t: float) -> FloatArray:
@@ -142,15 +145,16 @@ class SurfacePairs:
         every = self._all
         keys = self._reaching(x, ahead)
         pairs = every.pairs(keys)
-        later = every.pieces(ahead, pairs).nearest(len(pairs))
+        nodes = every.nodes(pairs)
+        later = self._loops.face_distances(ahead, nodes)
         coming = np.flatnonzero(later < every.reach(pairs))
         if not len(coming):
             return 0.0
         lines, of = np.unique(pairs[coming, 0], return_inverse=True)
         fellows = np.flatnonzero(np.isin(pairs[:, 0], lines))
-        pieces = every.pieces(x, pairs[fellows])
+        near = self._loops.look(x, nodes[fellows], np.full(len(fellows), np.inf))
         now = np.zeros(len(pairs))
-        now[fellows] = pieces.nearest(len(fellows))
+        now[fellows] = near.distance
         mass, other = every.masses[pairs[coming, 0]], every.surface.masses[pairs[coming, 1]]
         depth = tolerance * every.thickness(pairs)
         approach = np.maximum(now - later, 0.0)[coming] / dt
@@ -161,10 +165,10 @@ class SurfacePairs:
         reach = nearest[np.searchsorted(lines, pairs[fellows, 0])]
         inside = np.flatnonzero(now[fellows] < reach)
         facing = Facing.of(every, keys[fellows[inside]])
-        rows = np.arange(len(inside))
+        at = Rows(np.arange(len(inside)), inside, reach[inside])
         held = np.zeros(len(every.lines.nodes))
         scale = every.factor(facing.pairs)
-        for _, points, owner in facing.points(x, rows, _only(pieces, inside), reach[inside], scale):
+        for _, points, owner in facing.points(self._loops, x, near, at, scale):
             np.add.at(held, facing.pairs[owner, 0], points.load)
         return float((force / np.maximum(held[lines], force / _LARGEST + np.finfo(float).tiny)).max())
 
@@ -174,21 +178,21 @@ class SurfacePairs:
         pairs = every.pairs(self._reaching(x0, x1))
         if not len(pairs):
             return 1.0
-        way = x1 - x0
-        line, face = way[every.lines.nodes[pairs[:, 0]]], way[every.surface.nodes[pairs[:, 1]]]
+        nodes, way = every.nodes(pairs), x1 - x0
+        line, face = way[nodes[:, :2]], way[nodes[:, 2:]]
         apart = line[:, :, None] - face[:, None]
         speed = np.sqrt((apart * apart).sum(axis=3)).max(axis=(1, 2))
 
         def gap_at(part: float, which: IntArray) -> FloatArray:
-            return every.pieces(x0 + part * way, pairs[which]).nearest(len(which))
+            return self._loops.face_distances(x0 + part * way, nodes[which])
 
         return longest_way(gap_at, speed, _NEAREST * every.reach(pairs))
 
-    def _within(self, seen: _Seen, facing: Facing) -> tuple[IntArray, Pieces, IntArray, FloatArray]:
-        """Rows of pairs with places that are within reach, their pieces, themselves and their reach."""
-        near = np.flatnonzero((seen.distance < seen.reach) & among(seen.keys, facing.keys))
-        rows = np.searchsorted(facing.keys, seen.keys[near])
-        return rows, _only(seen.pieces, near), facing.pairs[rows], seen.reach[near]
+    def _within(self, seen: _Seen) -> Rows:
+        """Pairs with places that are within reach."""
+        placed = self._facing.keys
+        which = np.flatnonzero((seen.distance < seen.reach) & among(seen.keys, placed))
+        return Rows(np.searchsorted(placed, seen.keys[which]), which, seen.reach[which])
 
     def _reaching(self, x0: FloatArray, x1: FloatArray) -> IntArray:
         """Keys of pairs that may come within reach of each other on a straight way."""
@@ -198,20 +202,15 @@ class SurfacePairs:
         if 2.0 * moved + 2.0 * self._strayed(x0) > self._skin:
             keys = self._all.search(x0, 2.0 * moved)
         pairs = self._all.pairs(keys)
-        return keys[self._all.apart(x0, x1, pairs) < self._all.reach(pairs)]
+        return keys[self._loops.boxes_apart(x0, x1, self._all.nodes(pairs)) < self._all.reach(pairs)]
 
     def _look(self, x: FloatArray) -> _Seen:
         """What is near; kept until other places are asked for."""
         if self._seen is None or not np.array_equal(self._seen.x, x):
             self._search(x)
-            every = self._all
-            pairs = every.pairs(self._candidates)
-            near = every.apart(x, x, pairs) < (1.0 + _MARGIN) * every.reach(pairs)
-            pairs = pairs[near]
-            pieces = every.pieces(x, pairs)
-            self._seen = _Seen(
-                x.copy(), self._candidates[near], every.reach(pairs), pieces.nearest(len(pairs)), pieces
-            )
+            x = x.copy()
+            near = self._loops.look(x, self._nodes, (1.0 + _MARGIN) * self._reach)
+            self._seen = _Seen(x, self._candidates[near.kept], self._reach[near.kept], near)
         return self._seen
 
     def _search(self, x: FloatArray) -> None:
@@ -223,6 +222,8 @@ class SurfacePairs:
         self._skin = _SKIN * self._thick + min(_AHEAD * strayed, _AHEAD * self._thick)
         self._searched = x.copy()
         self._candidates = self._all.search(x, self._skin)
+        pairs = self._all.pairs(self._candidates)
+        self._nodes, self._reach = self._all.nodes(pairs), self._all.reach(pairs)
 
     def _strayed(self, x: FloatArray) -> float:
         """How far a node has moved since the last search [m]."""
@@ -232,17 +233,14 @@ class SurfacePairs:
     def _lay_out(self, keys: IntArray) -> None:
         """What pairs with these keys touch with."""
         self._facing = Facing.of(self._all, keys)
-        junctions = self._facing.junctions
+        every, junctions = self._all, self._facing.junctions
+        self._scale = every.factor(self._facing.pairs)
+        line, face = every.bodies(self._facing.pairs)
+        self._friction, self._labels = every.friction[line, face], every.labels[line, face]
+        self._signs = every.signs[line, face]
         kinds = (self._facing.nodes, junctions.sides, junctions.corners)
         self._stencils = tuple(Stencils(self._all.map, nodes) for nodes in kinds)
 
 
 def _farthest(way: FloatArray) -> float:
     return float(np.sqrt((way * way).sum(axis=1).max(initial=0.0)))
-
-
-def _only(pieces: Pieces, items: IntArray) -> Pieces:
-    """Pieces of some ascending items, numbered anew."""
-    kept = np.flatnonzero(among(pieces.item, items))
-    some = pieces.some(kept)
-    return Pieces(np.searchsorted(items, some.item), *(getattr(some, name) for name in Pieces.__slots__[1:]))

@@ -85,7 +85,7 @@ def face_doubts(scene: Scene, contact: Contact, faces: Faces, x: FloatArray) -> 
         if crossed.count(x).any():
             yield scene.loaded.warning(("contact",), starts_through(*contact.pairs[label]))
     pairs = faces.pairs(faces.search(x, 0.0))
-    distance = faces.pieces(x, pairs).nearest(len(pairs))
+    distance = faces.distances(x, pairs)
     shares = (faces.reach(pairs) - distance) / faces.thickness(pairs)
     labels = faces.labels[faces.bodies(pairs)]
     deep = shares > contact.rule.tolerance * (1.0 + ROUNDING)

@@ -1,0 +1,141 @@
+"""Compiled loops against batches: the same to rounding, on random pairs and on those that are hard."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+
+from dismech_cli.arrays import FloatArray, IntArray
+from dismech_cli.contact.batches import Batches
+from dismech_cli.contact.compiled import Compiled
+from dismech_cli.contact.loops import Loops
+from dismech_cli.contact.points import Points
+from dismech_cli.contact.stencils import GeneralPlaces, Stencils, SymmetricPlaces
+from dismech_cli.contact.touching import Touching
+from dismech_cli.kernels.numba_driver import NumbaDriver
+from dismech_cli.kernels.numpy_driver import NumpyDriver
+from dismech_cli.kinematics.dofs import DofMap
+
+COUNT, REACH = 400, 0.5
+RNG = np.random.default_rng(31)
+
+
+@pytest.fixture(scope="module")
+def compiled() -> Loops:
+    """Loops of Numba."""
+    pytest.importorskip("numba")
+    found = Compiled.of(NumbaDriver())
+    assert found is not None
+    return found
+
+
+def test_a_driver_that_does_not_compile_has_none() -> None:
+    """Batches serve then."""
+    assert Compiled.of(NumpyDriver()) is None
+
+
+def places(n: int) -> tuple[FloatArray, IntArray]:
+    """Random items of n nodes, most within reach; some parallel, some sharing places, some in one plane."""
+    x = 0.5 * RNG.normal(size=(COUNT, n, 3))
+    x[:50, 1] = x[:50, 0] + (x[:50, n - 1] - x[:50, 2])
+    x[50:80, 0] = x[50:80, 2]
+    x[80:120, :, 2] = 0.1 * (np.arange(n) > 1)
+    return x.reshape(-1, 3), np.arange(COUNT * n).reshape(COUNT, n)
+
+
+def by_item(points: Points, count: int) -> FloatArray:
+    """Sums over the points of each item that do not depend on their order, shape (count, ...)."""
+    s, w, gap = points.s, points.weights, points.gap
+    rows = [points.energy, points.along, points.load, points.growth * s, points.energy * points.identity]
+    # where a line begins on a corner the parts that face each feature differ by rounding: no mean of 1 / |x|
+    turn = np.where(points.item < 80, 0.0, points.turn)
+    rows += [points.energy * points.axis, points.energy * turn, *(points.pull * w)]
+    rows += [*(points.energy * gap), *(points.energy * points.normal), *(points.energy * points.e**2)]
+    rows += [*(points.energy * points.spread).reshape(-1, len(s))]
+    out = np.zeros((count, len(rows)))
+    np.add.at(out, points.item, np.stack(rows, axis=1))
+    return out
+
+
+def assert_same(one: Points, other: Points) -> None:
+    """Points of two kinds of loops."""
+    expected = by_item(other, COUNT)
+    assert np.count_nonzero(expected[:, 0]) > 30
+    assert_allclose(by_item(one, COUNT), expected, rtol=1e-9, atol=1e-11 * np.abs(expected).max())
+
+
+def test_distances_of_segments(compiled: Loops) -> None:
+    """Parallel and touching ones too."""
+    x, nodes = places(4)
+    found, expected = compiled.segment_distances(x, nodes), Batches().segment_distances(x, nodes)
+    assert_allclose(found, expected, rtol=1e-12, atol=1e-14)
+
+
+def test_distances_of_triangles(compiled: Loops) -> None:
+    """With what is left out by its box."""
+    x, nodes = places(5)
+    found, expected = compiled.face_distances(x, nodes), Batches().face_distances(x, nodes)
+    assert_allclose(found, expected, rtol=1e-10, atol=1e-13)
+    limit = np.full(COUNT, 0.3)
+    near, other = compiled.look(x, nodes, limit), Batches().look(x, nodes, limit)
+    assert_array_equal(near.kept, other.kept)
+    assert_allclose(near.distance, other.distance, rtol=1e-10, atol=1e-13)
+    more = x + 0.1
+    assert_allclose(compiled.boxes_apart(x, more, nodes), Batches().boxes_apart(x, more, nodes), rtol=1e-14)
+
+
+@pytest.mark.parametrize("kind", ["segment_points", "vertex_points"])
+def test_points_on_lines(compiled: Loops, kind: str) -> None:
+    """Some of the items only, twice: buffers are kept."""
+    x, nodes = places({"segment_points": 4, "vertex_points": 3}[kind])
+    for rows in (np.arange(0, COUNT, 50), np.arange(0, COUNT, 2), np.arange(COUNT)):
+        reach, factor = np.full(len(rows), REACH), RNG.uniform(1.0, 2.0, len(rows))
+        ours = getattr(compiled, kind)(x, nodes, rows, reach, factor)
+        theirs = getattr(Batches(), kind)(x, nodes, rows, reach, factor)
+        if len(rows) > 100:
+            assert_same(ours, theirs)
+
+
+def test_points_on_triangles(compiled: Loops) -> None:
+    """Beside all features."""
+    x, nodes = places(5)
+    limit, rows = np.full(COUNT, REACH), np.arange(COUNT)
+    found = []
+    for loops in (compiled, Batches()):
+        near = loops.look(x, nodes, limit)
+        which = np.flatnonzero(near.distance < REACH)
+        rows = near.kept[which]
+        found.append(near.points(which, nodes, rows, np.full(len(rows), REACH), np.ones(len(rows))))
+    assert_same(*found)
+
+
+@pytest.mark.parametrize("axes", [(0, 1, 2), (0, 2)])
+def test_sums(compiled: Loops, axes: tuple[int, ...]) -> None:
+    """Forces and tangents to the same places, in space and in a plane, some DOFs fixed."""
+    x, nodes = places(4)
+    every = np.arange(COUNT)
+    points = Batches().segment_points(x, nodes, every, np.full(COUNT, REACH), np.ones(COUNT))
+    order = np.argsort(points.item, kind="stable")
+    points = Points(*(np.ascontiguousarray(getattr(points, name)[..., order]) for name in Points.__slots__))
+    stencils = Stencils(DofMap(len(x), 0, axes, len(x)), nodes)
+    none = np.zeros(len(points.item))
+    touching = Touching(0, stencils, points, none, lambda: np.zeros((3, 0)), none.astype(np.int64), none)
+    size = stencils.dofs.shape[1]
+    spare = 50
+    i, j = np.triu_indices(size)
+    upper = SymmetricPlaces(RNG.integers(0, spare, size=(COUNT, len(i))), i, j)
+    whole = GeneralPlaces(RNG.integers(0, spare, size=(COUNT, size * size)))
+    half = RNG.normal(size=(3, 3, len(none)))
+    symmetric = half + half.transpose(1, 0, 2)
+    found = []
+    for loops in (compiled, Batches()):
+        r, values = np.zeros(stencils.map.n), np.zeros((4, spare))
+        loops.add_forces(touching, points.pull * points.gap, r)
+        loops.add_squares(touching, upper, values[0])
+        loops.add_hessians(touching, upper, values[1])
+        loops.add_symmetric(touching, upper, symmetric, values[2])
+        loops.add_general(touching, whole, half, values[3])
+        found.append((r, values))
+    assert_allclose(found[0][0], found[1][0], rtol=1e-11, atol=1e-13 * np.abs(found[1][0]).max())
+    assert_allclose(found[0][1], found[1][1], rtol=1e-10, atol=1e-12 * np.abs(found[1][1]).max())
