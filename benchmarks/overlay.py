@@ -69,9 +69,9 @@ def report(quick: bool) -> str:
         couplings = [c for term in case.model.terms for c in term.couplings]
         touching = Coupling(dofs.of_nodes(case.nodes).reshape(len(case.nodes), -1))
         base = SparsityPattern.build(dofs, free, couplings, symmetric=True)
-        larger = base.extended([touching]).pattern
+        larger = base.extended(base.entries([touching])).pattern
         actions: list[Callable[[], object]] = [
-            lambda base=base, touching=touching: base.extended([touching]),
+            lambda base=base, touching=touching: base.extended(base.entries([touching])),
             lambda dofs=dofs, free=free, all_=(*couplings, touching): SparsityPattern.build(
                 dofs, free, all_, symmetric=True
             ),

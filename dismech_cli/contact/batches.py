@@ -7,12 +7,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
+from ..kernels.linearization import Pattern
 from .cores import beside, facing_node
 from .faces import boxes_apart, face_pieces
 from .neighbours import distances
 from .pieces import Pieces
 from .points import Points, round_points
-from .stencils import GeneralPlaces, SymmetricPlaces
+from .stencils import GeneralPlaces, Stencils, SymmetricPlaces
 from .touching import Touching
 
 
@@ -74,6 +75,14 @@ class Batches:
     def face_distances(self, x: FloatArray, nodes: IntArray) -> FloatArray:
         """Distances of lines from triangles."""
         return face_pieces(x, nodes).nearest(len(nodes))
+
+    def symmetric_places(self, stencils: Stencils, pattern: Pattern) -> SymmetricPlaces:
+        """Places of the upper triangles of items."""
+        return SymmetricPlaces.of(stencils, pattern)
+
+    def general_places(self, stencils: Stencils, pattern: Pattern) -> GeneralPlaces:
+        """Places of the whole matrices of items."""
+        return GeneralPlaces.of(stencils, pattern)
 
     def add_forces(self, touching: Touching, vector: FloatArray, r: FloatArray) -> None:
         """Add weights times a vector of each point."""

@@ -10,9 +10,10 @@ import numpy as np
 
 from ..arrays import FloatArray, IntArray
 from ..kernels.driver import Driver
-from . import face_loops, line_loops, point_loops, sum_loops
+from ..kernels.linearization import Pattern
+from . import face_loops, line_loops, point_loops, slot_loops, sum_loops
 from .points import Points
-from .stencils import GeneralPlaces, SymmetricPlaces
+from .stencils import GeneralPlaces, Stencils, SymmetricPlaces
 from .touching import Touching
 
 _Loop: TypeAlias = Callable[..., Any]
@@ -109,6 +110,8 @@ class Compiled:
     hessians: _Loop
     upper_blocks: _Loop
     blocks: _Loop
+    upper_slots: _Loop
+    all_slots: _Loop
 
     @classmethod
     def of(cls, driver: Driver) -> Compiled | None:
@@ -126,6 +129,8 @@ class Compiled:
             sum_loops.add_hessians,
             sum_loops.add_upper_blocks,
             sum_loops.add_blocks,
+            slot_loops.find_upper,
+            slot_loops.find_all,
         )
         loops = [made for one in names if (made := driver.compiled(one)) is not None]
         if fill is None or len(loops) < len(names):
@@ -159,6 +164,20 @@ class Compiled:
         out = np.empty(len(nodes))
         self.to_faces(x, nodes, np.full(len(nodes), np.inf), out)
         return out
+
+    def symmetric_places(self, stencils: Stencils, pattern: Pattern) -> SymmetricPlaces:
+        """Places of the upper triangles of items."""
+        i, j = np.triu_indices(stencils.dofs.shape[1])
+        return SymmetricPlaces(self._slots(self.upper_slots, len(i), stencils, pattern), i, j)
+
+    def general_places(self, stencils: Stencils, pattern: Pattern) -> GeneralPlaces:
+        """Places of the whole matrices of items."""
+        return GeneralPlaces(self._slots(self.all_slots, stencils.dofs.shape[1] ** 2, stencils, pattern))
+
+    def _slots(self, find: _Loop, entries: int, stencils: Stencils, pattern: Pattern) -> IntArray:
+        slots: IntArray = np.empty((len(stencils.dofs), entries), dtype=np.uint32)
+        find(pattern.order, pattern.indptr, pattern.indices, stencils.dofs, slots)
+        return slots
 
     def add_forces(self, touching: Touching, vector: FloatArray, r: FloatArray) -> None:
         """Add weights times a vector of each point."""

@@ -6,10 +6,11 @@ from typing import Protocol
 
 from ..arrays import FloatArray, IntArray
 from ..kernels.driver import Driver
+from ..kernels.linearization import Pattern
 from .batches import Batches
 from .compiled import Compiled
 from .points import Points
-from .stencils import GeneralPlaces, SymmetricPlaces
+from .stencils import GeneralPlaces, Stencils, SymmetricPlaces
 from .touching import Touching
 
 
@@ -78,6 +79,12 @@ class Loops(Protocol):
 
     def face_distances(self, x: FloatArray, nodes: IntArray) -> FloatArray:
         """Distances of lines from triangles, nodes (P, 5) [m], shape (P,)."""
+
+    def symmetric_places(self, stencils: Stencils, pattern: Pattern) -> SymmetricPlaces:
+        """Places of the upper triangles of items."""
+
+    def general_places(self, stencils: Stencils, pattern: Pattern) -> GeneralPlaces:
+        """Places of the whole matrices of items."""
 
     def add_forces(self, touching: Touching, vector: FloatArray, r: FloatArray) -> None:
         """Add weights times a vector (3, K) of each point to ``r``, shape (n,)."""

@@ -12,7 +12,7 @@ from ..kernels.linearization import Linearization, Pattern
 from ..model.configuration import Configuration
 from .loops import Loops
 from .rubbing import slip
-from .stencils import GeneralPlaces, Stencils, SymmetricPlaces
+from .stencils import Stencils, SymmetricPlaces
 from .touching import Touching
 
 # Below this share of the speed over which friction grows it is all but linear.
@@ -58,7 +58,9 @@ class NormalTerm:
 
     def place(self, pattern: Pattern) -> None:
         """Look the slots of all items up."""
-        self._places = [SymmetricPlaces.of(stencils, pattern) for stencils in self._found.stencils]
+        self._places = [
+            self._found.loops.symmetric_places(stencils, pattern) for stencils in self._found.stencils
+        ]
 
     def heat(self, c: Configuration, v: FloatArray) -> float:
         """None."""
@@ -150,7 +152,9 @@ class SymmetricFriction(_Friction):
 
     def place(self, pattern: Pattern) -> None:
         """Look the slots of all items up."""
-        self._places = [SymmetricPlaces.of(stencils, pattern) for stencils in self._found.stencils]
+        self._places = [
+            self._found.loops.symmetric_places(stencils, pattern) for stencils in self._found.stencils
+        ]
 
     def add_linearization(self, c: Configuration, into: Linearization) -> None:
         """Subtract the force and add its tangent to velocities."""
@@ -170,7 +174,9 @@ class FullFriction(_Friction):
 
     def place(self, pattern: Pattern) -> None:
         """Look the slots of all items up."""
-        self._places = [GeneralPlaces.of(stencils, pattern) for stencils in self._found.stencils]
+        self._places = [
+            self._found.loops.general_places(stencils, pattern) for stencils in self._found.stencils
+        ]
 
     def add_linearization(self, c: Configuration, into: Linearization) -> None:
         """Subtract the force and add its tangents."""

@@ -36,6 +36,18 @@ class Pattern(Protocol):
     def slots(self) -> int:
         """Length of the value arrays: stored entries plus the spare slot."""
 
+    @property
+    def order(self) -> IntArray:
+        """Matrix index of each DOF, -1 if fixed, shape (n,)."""
+
+    @property
+    def indptr(self) -> IntArray:
+        """Where each row begins among the stored entries, shape (m + 1,)."""
+
+    @property
+    def indices(self) -> IntArray:
+        """Column of each stored entry, ascending in a row, shape (slots - 1,)."""
+
     def symmetric_slots(self, i: IntArray, j: IntArray) -> IntArray:
         """Slot of the unordered pair {i, j}: the entry in the upper triangle."""
 

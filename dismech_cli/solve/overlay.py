@@ -7,11 +7,12 @@ from typing import TypeAlias
 
 import numpy as np
 
-from ..arrays import FloatArray
+from ..arrays import FloatArray, IntArray
 from ..kernels.driver import Driver
 from ..kernels.linearization import Coupling, Linearization, RankOne
 from ..model.configuration import Configuration
 from ..model.term import BoundChanging, ChangingSet, ChangingTerm, Memory
+from .extender import extender_of
 from .pattern import Extension, SparsityPattern
 
 Adding: TypeAlias = Callable[[BoundChanging, Configuration, Linearization], None]
@@ -42,7 +43,7 @@ class Overlay:
     """
 
     def __init__(self, base: SparsityPattern, changing: Sequence[ChangingTerm], driver: Driver) -> None:
-        self._base = base
+        self._extender = extender_of(base, driver)
         self.sets: tuple[ChangingSet, ...] = tuple(term.start(driver) for term in changing)
         bound = [term for one in self.sets for term in one.terms]
         self._symmetric = [term for term in bound if term.symmetric]
@@ -50,7 +51,7 @@ class Overlay:
         self.terms: tuple[BoundChanging, ...] = (*self._symmetric, *self._general)
         self._moved, self._begins = False, True
         self._of_step: list[Coupling] = []
-        self._extend()
+        self._extend(self._extender.entries(()))
 
     def recall(self, memory: Memory) -> None:
         """Take up what the last step left, and let go of what it had at the next trial point."""
@@ -76,15 +77,17 @@ class Overlay:
         if not self._moved and _same(present, self._of_step):
             self._begins = False
             return False
-        entries = self._base.entries(present)
+        entries = self._extender.entries(present)
         if self._begins:
             fits = np.array_equal(entries, self._extension.entries)
             self._of_step = present
         else:
             fits = self._extension.pattern.holds(entries)
             self._of_step += present
+            if not fits:
+                entries = self._extender.entries(self._of_step)
         if not fits:
-            self._extend()
+            self._extend(entries)
         elif self._moved:
             self._place()
         self._moved = self._begins = False
@@ -149,8 +152,8 @@ class Overlay:
         """See the class."""
         return self._extension.pattern
 
-    def _extend(self) -> None:
-        self._extension: Extension = self._base.extended(self._of_step)
+    def _extend(self, entries: IntArray) -> None:
+        self._extension: Extension = self._extender.extended(entries)
         pattern = self._extension.pattern
         self._into = Linearization(np.empty(0), np.zeros(pattern.slots), np.zeros(pattern.slots))
         self._mirror = None if pattern.symmetric else self._extension.mirror()

@@ -139,10 +139,9 @@ class SparsityPattern:
         """Keys of all entries of cliques, each once, ascending."""
         return _entries(self, couplings)
 
-    def extended(self, couplings: Iterable[Coupling]) -> Extension:
-        """The pattern with more couplings, in the same order of DOFs."""
-        wanted = self.entries(couplings)
-        both = np.concatenate((self.keys, wanted))
+    def extended(self, entries: IntArray) -> Extension:
+        """The pattern with more entries, given by their keys, in the same order of DOFs."""
+        both = np.concatenate((self.keys, entries))
         # two ascending pieces: a stable sort merges them; of equal keys that of the base comes first
         merged = np.argsort(both, kind="stable")
         ordered = both[merged]
@@ -150,10 +149,37 @@ class SparsityPattern:
         np.not_equal(ordered[1:], ordered[:-1], out=new[1:])
         slots = np.empty(len(both), dtype=np.int64)
         slots[merged] = np.cumsum(new) - 1
-        keys = ordered[new]
-        indptr, indices, diagonal = _compressed(keys, self.m)
-        pattern = replace(self, keys=keys, indptr=indptr, indices=indices, diagonal=diagonal)
-        return Extension(pattern, np.append(slots[: self.nnz], pattern.nnz), slots[self.nnz :], wanted)
+        return Extension.of(self, ordered[new], slots[: self.nnz], slots[self.nnz :], entries)
+
+    def blocks(self) -> Blocks:
+        """Blocks of free DOFs in matrix order."""
+        m = max(self.m, 1)
+        # a block is known by the place of its first free DOF; the DOFs of a block follow each other
+        order = np.where(self.order < 0, m, self.order)
+        begin = np.flatnonzero(np.diff(self.block, prepend=-1))
+        start = np.minimum.reduceat(order, begin)[self.block] if len(order) else order
+        return Blocks(self.block, start, np.bincount(start[self.free], minlength=m))
+
+
+@dataclass(frozen=True, slots=True)
+class Blocks:
+    """Blocks of free DOFs.
+
+    Attributes:
+        of: Block of each global DOF, shape (n,).
+        start: Place of the first free DOF of its block in matrix order, m if it has none, shape (n,).
+        width: Free DOFs of the block that begins at a place, shape (m,).
+    """
+
+    of: IntArray
+    start: IntArray
+    width: IntArray
+
+    def places(self, coupling: Coupling) -> IntArray:
+        """Starts of the blocks of each clique, shape (S, blocks)."""
+        blocks = self.of[coupling.dofs[:1]]
+        one_each = np.flatnonzero(np.diff(blocks, axis=1, prepend=-1).any(axis=0))
+        return self.start[coupling.dofs[:, one_each]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -172,6 +198,20 @@ class Extension:
     entry_slots: IntArray
     entries: IntArray
 
+    @classmethod
+    def of(
+        cls,
+        base: SparsityPattern,
+        keys: IntArray,
+        base_slots: IntArray,
+        entry_slots: IntArray,
+        entries: IntArray,
+    ) -> Extension:
+        """Of all keys, ascending, with the places of those of the base and of the entries."""
+        indptr, indices, diagonal = _compressed(keys, base.m)
+        pattern = replace(base, keys=keys, indptr=indptr, indices=indices, diagonal=diagonal)
+        return cls(pattern, np.append(base_slots, pattern.nnz), entry_slots, entries)
+
     def mirror(self) -> tuple[IntArray, IntArray]:
         """Slots (lower, upper) of the strictly lower ones of these entries and of their transposes."""
         m = max(self.pattern.m, 1)
@@ -183,18 +223,12 @@ class Extension:
 
 def _entries(pattern: SparsityPattern, couplings: Iterable[Coupling]) -> IntArray:
     """Keys of all entries of cliques, ascending: pairs of blocks first, which are far fewer."""
-    m = max(pattern.m, 1)
-    # a block is known by the place of its first free DOF; the DOFs of a block follow each other
-    order = np.where(pattern.order < 0, m, pattern.order)
-    begin = np.flatnonzero(np.diff(pattern.block, prepend=-1))
-    start = np.minimum.reduceat(order, begin)[pattern.block] if len(order) else order
-    width = np.bincount(start[pattern.free], minlength=m)
+    m, blocks = max(pattern.m, 1), pattern.blocks()
+    width = blocks.width
     found = [np.empty(0, dtype=np.int64)]
     for coupling in couplings:
-        blocks = pattern.block[coupling.dofs[:1]]
-        one_each = np.flatnonzero(np.diff(blocks, axis=1, prepend=-1).any(axis=0))
-        places = start[coupling.dofs[:, one_each]]
-        i, j = np.triu_indices(len(one_each))
+        places = blocks.places(coupling)
+        i, j = np.triu_indices(places.shape[1])
         low, high = np.minimum(places[:, i], places[:, j]), np.maximum(places[:, i], places[:, j])
         found.append((low * m + high)[high < m])
     a, b = np.divmod(_distinct(np.concatenate(found)), m)

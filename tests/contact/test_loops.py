@@ -13,9 +13,12 @@ from dismech_cli.contact.loops import Loops
 from dismech_cli.contact.points import Points
 from dismech_cli.contact.stencils import GeneralPlaces, Stencils, SymmetricPlaces
 from dismech_cli.contact.touching import Touching
+from dismech_cli.kernels.linearization import Coupling
 from dismech_cli.kernels.numba_driver import NumbaDriver
 from dismech_cli.kernels.numpy_driver import NumpyDriver
 from dismech_cli.kinematics.dofs import DofMap
+from dismech_cli.solve.extender import CompiledExtender, extender_of
+from dismech_cli.solve.pattern import SparsityPattern
 
 COUNT, REACH = 400, 0.5
 RNG = np.random.default_rng(31)
@@ -139,3 +142,30 @@ def test_sums(compiled: Loops, axes: tuple[int, ...]) -> None:
         found.append((r, values))
     assert_allclose(found[0][0], found[1][0], rtol=1e-11, atol=1e-13 * np.abs(found[1][0]).max())
     assert_allclose(found[0][1], found[1][1], rtol=1e-10, atol=1e-12 * np.abs(found[1][1]).max())
+
+
+@pytest.mark.parametrize("symmetric", [True, False])
+def test_places(compiled: Loops, symmetric: bool) -> None:
+    """Where the entries of items are, with fixed DOFs and an item that visits a node twice."""
+    dofs = DofMap(30, 0, (0, 1, 2), 30)
+    nodes = RNG.integers(0, 30, size=(40, 4))
+    stencils = Stencils(dofs, nodes)
+    free = RNG.uniform(size=dofs.n) > 0.2
+    chain = np.stack((np.arange(29), np.arange(1, 30)), axis=1)
+    base = [Coupling(dofs.of_nodes(chain).reshape(29, 6))]
+    pattern = SparsityPattern.build(dofs, free, [*base, stencils.coupling], symmetric=symmetric)
+    ask = "symmetric_places" if symmetric else "general_places"
+    ours, theirs = (getattr(loops, ask)(stencils, pattern) for loops in (compiled, Batches()))
+    assert_array_equal(ours.slots, theirs.slots)
+    small = SparsityPattern.build(dofs, free, base, symmetric=symmetric)
+    extender = extender_of(small, NumbaDriver())
+    assert isinstance(extender, CompiledExtender)
+    some = [stencils.coupling, Coupling(dofs.of_nodes(nodes[:5, :2]).reshape(5, 6))]
+    for couplings in (some, some[1:], []):
+        entries = extender.entries(couplings)
+        assert_array_equal(entries, small.entries(couplings))
+        one, other = extender.extended(entries), small.extended(entries)
+        for name in ("keys", "indptr", "indices", "diagonal"):
+            assert_array_equal(getattr(one.pattern, name), getattr(other.pattern, name))
+        assert_array_equal(one.base_slots, other.base_slots)
+        assert_array_equal(one.entry_slots, other.entry_slots)

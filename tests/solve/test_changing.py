@@ -215,7 +215,7 @@ def test_extension_holds_the_base_and_the_new(symmetric: bool) -> None:
         (model.dofs.of_nodes(np.array([0, 8])).ravel(), model.dofs.of_angles(np.array([3])))
     )
     extra = Coupling(clique[None])
-    extension = base.extended([extra])
+    extension = base.extended(base.entries([extra]))
     larger = extension.pattern
     assert_array_equal(larger.free, base.free)
     wanted = base.csr(np.ones(base.slots)).toarray() > 0.0
@@ -247,7 +247,7 @@ def test_nothing_to_add_changes_nothing() -> None:
     base = SparsityPattern.build(
         model.dofs, np.ones(model.dofs.n, dtype=bool), couplings, symmetric=all_symmetric(couplings)
     )
-    extension = base.extended([])
+    extension = base.extended(base.entries([]))
     assert_array_equal(extension.pattern.keys, base.keys)
     assert_array_equal(extension.base_slots, np.arange(base.slots))
 

@@ -1,0 +1,109 @@
+"""Entries of cliques and their merging into a pattern, one by one: what :mod:`.pattern` does in batches."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..arrays import IntArray
+from ..geometry.kernel import loop
+
+
+@loop
+def count_pairs(places: IntArray, m: int, both: bool, counts: IntArray) -> None:
+    """Count pairs of blocks by the row that they lie in.
+
+    Args:
+        places: First free DOF of each block of each clique, m where all are fixed, shape (S, n).
+        m: Free DOFs.
+        both: Whether both triangles are stored.
+        counts: Added to at the row after each, shape (m + 1,).
+    """
+    for s in range(len(places)):
+        for i in range(places.shape[1]):
+            for j in range(i, places.shape[1]):
+                low, high = min(places[s, i], places[s, j]), max(places[s, i], places[s, j])
+                if high < m:
+                    counts[low + 1] += 1
+                    if both and high != low:
+                        counts[high + 1] += 1
+
+
+@loop
+def fill_pairs(places: IntArray, m: int, both: bool, at: IntArray, columns: IntArray) -> None:
+    """Write the columns of these pairs, row by row; ``at`` is where each row goes on, shape (m + 1,)."""
+    for s in range(len(places)):
+        for i in range(places.shape[1]):
+            for j in range(i, places.shape[1]):
+                low, high = min(places[s, i], places[s, j]), max(places[s, i], places[s, j])
+                if high < m:
+                    columns[at[low]] = high
+                    at[low] += 1
+                    if both and high != low:
+                        columns[at[high]] = low
+                        at[high] += 1
+
+
+@loop
+def spread_pairs(begin: IntArray, columns: IntArray, width: IntArray, both: bool, keys: IntArray) -> int:
+    """Write the keys of all entries of blocks, each once, ascending.
+
+    Args:
+        begin: Where the pairs of each row begin, shape (m + 1,).
+        columns: Their columns; each row is put in order.
+        width: Free DOFs of the block that begins at each place, shape (m,).
+        both: Whether both triangles are stored.
+        keys: Row times m plus column, written as far as it reaches.
+
+    Returns:
+        Number of keys.
+    """
+    m = len(width)
+    seen = np.full(m, -1, dtype=np.int64)
+    found = 0
+    for row in range(m):
+        # each column once, in order: few of them, so by insertion
+        last = begin[row]
+        for k in range(begin[row], begin[row + 1]):
+            column = columns[k]
+            if seen[column] != row:
+                seen[column] = row
+                place = last
+                while place > begin[row] and columns[place - 1] > column:
+                    columns[place] = columns[place - 1]
+                    place -= 1
+                columns[place] = column
+                last += 1
+        if last > begin[row]:
+            for inner in range(width[row]):
+                for k in range(begin[row], last):
+                    column = columns[k]
+                    first = inner if column == row and not both else 0
+                    for other in range(first, width[column]):
+                        if found < len(keys):
+                            keys[found] = (row + inner) * m + column + other
+                        found += 1
+    return found
+
+
+@loop
+def merge(
+    base: IntArray, wanted: IntArray, keys: IntArray, base_slots: IntArray, wanted_slots: IntArray
+) -> int:
+    """Merge ascending keys; the number of distinct ones, and where those of either are among them."""
+    i, j, found = 0, 0, 0
+    while i < len(base) or j < len(wanted):
+        if j == len(wanted):
+            key = base[i]
+        elif i == len(base):
+            key = wanted[j]
+        else:
+            key = min(base[i], wanted[j])
+        keys[found] = key
+        if i < len(base) and base[i] == key:
+            base_slots[i] = found
+            i += 1
+        if j < len(wanted) and wanted[j] == key:
+            wanted_slots[j] = found
+            j += 1
+        found += 1
+    return found
