@@ -14,6 +14,8 @@ from .neighbours import distances
 from .pieces import Pieces
 from .points import Points, round_points
 from .stencils import GeneralPlaces, Stencils, SymmetricPlaces
+from .surface import Faced
+from .surface_points import surface_points
 from .touching import Touching
 
 
@@ -22,21 +24,25 @@ class Cut:
     """Lines cut into pieces; implements :class:`.loops.Near`.
 
     Attributes:
+        x: The nodes [m], shape (N, 3).
         kept: Which of the pairs these are, shape (K,).
         distance: Of these [m], shape (K,).
         pieces: Of the lines of these.
+        feature: What each piece faces: 0 the inside, 1 to 3 a side, 4 to 6 a corner.
     """
 
+    x: FloatArray
     kept: IntArray
     distance: FloatArray
     pieces: Pieces
+    feature: IntArray
 
-    def points(
-        self, which: IntArray, nodes: IntArray, rows: IntArray, reach: FloatArray, factor: FloatArray
-    ) -> Points:
-        """Points of contact of some of them."""
-        points = round_points(self.pieces.of_items(which), reach, factor)
-        return replace(points, item=rows[points.item])
+    def points(self, faced: Faced) -> tuple[Points, Points, Points]:
+        """Points of contact with triangles, and with the sides and corners that these share."""
+        some = np.flatnonzero(np.isin(self.pieces.item, faced.which))
+        pieces = self.pieces.some(some)
+        pieces = replace(pieces, item=np.searchsorted(faced.which, pieces.item))
+        return surface_points(self.x, pieces, self.feature[some], faced)
 
 
 class Batches:
@@ -69,12 +75,13 @@ class Batches:
     def look(self, x: FloatArray, nodes: IntArray, limit: FloatArray) -> Cut:
         """Lines and triangles that are nearer than a limit, by their boxes at least."""
         kept = np.flatnonzero(boxes_apart(x, x, nodes) < limit)
-        pieces = face_pieces(x, nodes[kept])
-        return Cut(kept, pieces.nearest(len(kept)), pieces)
+        pieces, feature = face_pieces(x, nodes[kept])
+        return Cut(x, kept, pieces.nearest(len(kept)), pieces, feature)
 
     def face_distances(self, x: FloatArray, nodes: IntArray) -> FloatArray:
         """Distances of lines from triangles."""
-        return face_pieces(x, nodes).nearest(len(nodes))
+        pieces, _ = face_pieces(x, nodes)
+        return pieces.nearest(len(nodes))
 
     def symmetric_places(self, stencils: Stencils, pattern: Pattern) -> SymmetricPlaces:
         """Places of the upper triangles of items."""

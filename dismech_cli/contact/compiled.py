@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -12,115 +10,38 @@ from ..arrays import FloatArray, IntArray
 from ..kernels.driver import Driver
 from ..kernels.linearization import Pattern
 from . import face_loops, line_loops, point_loops, slot_loops, sum_loops
-from .points import Points
+from .filled import Loop, PointsOf
 from .stencils import GeneralPlaces, Stencils, SymmetricPlaces
+from .surface_compiled import Measured, SurfaceLoops
 from .touching import Touching
-
-_Loop: TypeAlias = Callable[..., Any]
-
-
-class _PointsOf:
-    """Points of contact of lines with one kind of feature, in buffers that are kept."""
-
-    def __init__(self, pieces: _Loop, fill: _Loop, faced: int) -> None:
-        self._pieces, self._fill, self._faced = pieces, fill, faced
-        self._item = np.empty(0, dtype=np.int64)
-        self._table = np.empty((0, line_loops.piece_columns(faced)))
-        self._numbers = np.empty(0)
-
-    def __call__(
-        self, x: FloatArray, nodes: IntArray, rows: IntArray, reach: FloatArray, factor: FloatArray
-    ) -> Points:
-        """See :meth:`.loops.Loops.segment_points`."""
-        found = self._pieces(x, nodes, rows, reach, self._item, self._table)
-        if found > len(self._item):
-            self._item = np.empty(2 * found, dtype=np.int64)
-            self._table = np.empty((2 * found, self._table.shape[1]))
-            self._pieces(x, nodes, rows, reach, self._item, self._table)
-        return self._filled(found, rows, reach, factor)
-
-    def _filled(self, pieces: int, rows: IntArray, reach: FloatArray, factor: FloatArray) -> Points:
-        count, n = 3 * pieces, 2 + self._faced
-        scalars = len(point_loops.SCALARS)
-        sizes = np.cumsum([scalars, 9, n, 3 * n]) * count
-        if sizes[-1] > len(self._numbers):
-            self._numbers = np.empty(2 * sizes[-1])
-        numbers, vectors, weights, spread = np.split(self._numbers[: sizes[-1]], sizes[:-1])
-        numbers, vectors = numbers.reshape(scalars, count), vectors.reshape(3, 3, count)
-        weights, spread = weights.reshape(n, count), spread.reshape(n, 3, count)
-        item = np.empty(count, dtype=np.int64)
-        self._fill(rows, self._item, self._table, reach, factor, item, numbers, vectors, weights, spread)
-        s, energy, pull, along, load, growth, identity, axis, turn = numbers
-        gap, normal, e = vectors
-        return Points(
-            item=item,
-            s=s,
-            weights=weights,
-            spread=spread,
-            gap=gap,
-            normal=normal,
-            energy=energy,
-            pull=pull,
-            along=along,
-            bend=pull,
-            load=load,
-            growth=growth,
-            identity=identity,
-            axis=axis,
-            e=e,
-            turn=turn,
-        )
-
-
-@dataclass(frozen=True, slots=True)
-class Measured:
-    """Lines and triangles whose distance is known; implements :class:`.loops.Near`.
-
-    Attributes:
-        x: The nodes [m], shape (N, 3).
-        kept: Which of the pairs these are, shape (K,).
-        distance: Of these [m], shape (K,).
-        find: Finds their points of contact.
-    """
-
-    x: FloatArray
-    kept: IntArray
-    distance: FloatArray
-    find: _PointsOf
-
-    def points(
-        self, which: IntArray, nodes: IntArray, rows: IntArray, reach: FloatArray, factor: FloatArray
-    ) -> Points:
-        """Points of contact of some of them."""
-        return self.find(self.x, nodes, rows, reach, factor)
 
 
 @dataclass(frozen=True, slots=True)
 class Compiled:
     """One after the other."""
 
-    segment_points: _PointsOf
-    vertex_points: _PointsOf
-    face_points: _PointsOf
-    distances: _Loop
-    to_faces: _Loop
-    boxes: _Loop
-    weighted: _Loop
-    squares: _Loop
-    hessians: _Loop
-    upper_blocks: _Loop
-    blocks: _Loop
-    upper_slots: _Loop
-    all_slots: _Loop
+    segment_points: PointsOf
+    vertex_points: PointsOf
+    surface: SurfaceLoops
+    distances: Loop
+    to_faces: Loop
+    boxes: Loop
+    weighted: Loop
+    squares: Loop
+    hessians: Loop
+    upper_blocks: Loop
+    blocks: Loop
+    upper_slots: Loop
+    all_slots: Loop
 
     @classmethod
     def of(cls, driver: Driver) -> Compiled | None:
         """The loops of a driver; None where it does not compile."""
         fill = driver.compiled(point_loops.fill_points)
+        surface = SurfaceLoops.of(driver)
         names = (
             line_loops.segment_pieces,
             line_loops.vertex_pieces,
-            face_loops.face_pieces,
             line_loops.segment_distances,
             face_loops.face_distances,
             face_loops.boxes_apart,
@@ -133,12 +54,10 @@ class Compiled:
             slot_loops.find_all,
         )
         loops = [made for one in names if (made := driver.compiled(one)) is not None]
-        if fill is None or len(loops) < len(names):
+        if fill is None or surface is None or len(loops) < len(names):
             return None
-        segments, vertices, faces, *others = loops
-        return cls(
-            _PointsOf(segments, fill, 2), _PointsOf(vertices, fill, 1), _PointsOf(faces, fill, 3), *others
-        )
+        segments, vertices, *others = loops
+        return cls(PointsOf(segments, fill, 2), PointsOf(vertices, fill, 1), surface, *others)
 
     def segment_distances(self, x: FloatArray, nodes: IntArray) -> FloatArray:
         """Distances of lines from segments."""
@@ -157,7 +76,7 @@ class Compiled:
         out = np.empty(len(nodes))
         self.to_faces(x, nodes, limit, out)
         kept = np.flatnonzero(np.isfinite(out))
-        return Measured(x, kept, out[kept], self.face_points)
+        return Measured(x, kept, out[kept], self.surface)
 
     def face_distances(self, x: FloatArray, nodes: IntArray) -> FloatArray:
         """Distances of lines from triangles."""
@@ -167,17 +86,19 @@ class Compiled:
 
     def symmetric_places(self, stencils: Stencils, pattern: Pattern) -> SymmetricPlaces:
         """Places of the upper triangles of items."""
-        i, j = np.triu_indices(stencils.dofs.shape[1])
-        return SymmetricPlaces(self._slots(self.upper_slots, len(i), stencils, pattern), i, j)
+        size = stencils.dofs.shape[1]
+        i, j = np.triu_indices(size)
+        slots: IntArray = np.empty((len(stencils.dofs), len(i)), dtype=np.uint32)
+        d, p = len(stencils.axes), pattern
+        self.upper_slots(p.order, p.indptr, p.indices, d, stencils.dofs, slots)
+        return SymmetricPlaces(slots, i, j)
 
     def general_places(self, stencils: Stencils, pattern: Pattern) -> GeneralPlaces:
         """Places of the whole matrices of items."""
-        return GeneralPlaces(self._slots(self.all_slots, stencils.dofs.shape[1] ** 2, stencils, pattern))
-
-    def _slots(self, find: _Loop, entries: int, stencils: Stencils, pattern: Pattern) -> IntArray:
-        slots: IntArray = np.empty((len(stencils.dofs), entries), dtype=np.uint32)
-        find(pattern.order, pattern.indptr, pattern.indices, stencils.dofs, slots)
-        return slots
+        count, size = stencils.dofs.shape
+        slots: IntArray = np.empty((count, size * size), dtype=np.uint32)
+        self.all_slots(pattern.order, pattern.indptr, pattern.indices, stencils.dofs, slots)
+        return GeneralPlaces(slots)
 
     def add_forces(self, touching: Touching, vector: FloatArray, r: FloatArray) -> None:
         """Add weights times a vector of each point."""
@@ -186,8 +107,8 @@ class Compiled:
 
     def add_squares(self, touching: Touching, places: SymmetricPlaces, values: FloatArray) -> None:
         """Add what the second derivatives have along the gaps."""
-        points, axes = touching.points, touching.stencils.axes
-        self.squares(places.slots, axes, points.item, points.weights, points.gap, points.along, values)
+        p, axes = touching.points, touching.stencils.axes
+        self.squares(places.slots, axes, p.item, p.weights, p.gap, p.along, p.identity, p.e, values)
 
     def add_hessians(self, touching: Touching, places: SymmetricPlaces, values: FloatArray) -> None:
         """Add the second derivatives."""
@@ -220,7 +141,7 @@ class Compiled:
         self._add(self.blocks, touching, places.slots, block, values)
 
     def _add(
-        self, loop: _Loop, touching: Touching, slots: IntArray, block: FloatArray, values: FloatArray
+        self, loop: Loop, touching: Touching, slots: IntArray, block: FloatArray, values: FloatArray
     ) -> None:
         points = touching.points
         flat = block.reshape(9, -1)

@@ -13,7 +13,7 @@ import numpy as np
 from ..arrays import FloatArray, IntArray
 from ..geometry.kernel import kernel, loop
 from ..geometry.vectors import Vector, combine, cross, dot, scale, sub
-from .line_loops import FACED, clipped, least, node, write_piece
+from .line_loops import FACED, least, node, write_piece, write_segment
 
 # Rows of the table of a pair, by corner or side i: offset from the corner to the start of the line, side,
 # normal of the side in the plane; places along the sides at s = 0 and their slopes, heights above them and
@@ -43,7 +43,7 @@ def _put(table: FloatArray, i: Any, v: Vector) -> None:
 
 
 @loop
-def _lay(x: FloatArray, nodes: IntArray, row: int, pair: FloatArray) -> None:
+def lay_pair(x: FloatArray, nodes: IntArray, row: int, pair: FloatArray) -> None:
     """Write a pair into its table."""
     start = node(x, nodes[row, 0])
     slope = sub(node(x, nodes[row, 1]), start)
@@ -88,7 +88,7 @@ def _feature(pair: FloatArray, s: float) -> int:
 
 
 @loop
-def _cut(pair: FloatArray, cuts: FloatArray, pieces: FloatArray) -> int:
+def cut_line(pair: FloatArray, cuts: FloatArray, pieces: FloatArray) -> int:
     """Write the pieces of the line of a pair; their number."""
     count = 1
     cuts[0] = 0.0
@@ -114,6 +114,9 @@ def _cut(pair: FloatArray, cuts: FloatArray, pieces: FloatArray) -> int:
         low, high = cuts[k], cuts[k + 1]
         if high > low:
             feature = _feature(pair, 0.5 * (low + high))
+            if found > 0 and pieces[found - 1, 8] == feature:
+                pieces[found - 1, 1] = high
+                continue
             if feature == 0:
                 n = _row(pair, _NORMAL)
                 gap, turn = scale(dot(n, _row(pair, _OFFSET)), n), scale(dot(n, slope), n)
@@ -174,9 +177,9 @@ def face_distances(x: FloatArray, nodes: IntArray, limit: FloatArray, out: Float
     for k in range(len(out)):
         out[k] = np.inf
         if _apart(x, x, nodes, k) < limit[k] * limit[k]:
-            _lay(x, nodes, k, pair)
+            lay_pair(x, nodes, k, pair)
             best = np.inf
-            for p in range(_cut(pair, cuts, pieces)):
+            for p in range(cut_line(pair, cuts, pieces)):
                 gap = (pieces[p, 2], pieces[p, 3], pieces[p, 4])
                 turn = (pieces[p, 5], pieces[p, 6], pieces[p, 7])
                 best = min(best, least(gap, turn, pieces[p, 0], pieces[p, 1]))
@@ -184,53 +187,34 @@ def face_distances(x: FloatArray, nodes: IntArray, limit: FloatArray, out: Float
 
 
 @loop
-def face_pieces(
-    x: FloatArray, nodes: IntArray, rows: IntArray, reach: FloatArray, item: IntArray, table: FloatArray
-) -> int:
-    """Pieces of lines within reach of triangles, nodes (S, 5), in 28 columns.
-
-    See :func:`.line_loops.segment_pieces`.
-    """
-    pair, cuts, pieces = np.empty((PAIR_ROWS, 3)), np.empty(11), np.empty((MOST_PIECES, 9))
-    count = 0
-    for k in range(len(rows)):
-        _lay(x, nodes, rows[k], pair)
-        for p in range(_cut(pair, cuts, pieces)):
-            gap = (pieces[p, 2], pieces[p, 3], pieces[p, 4])
-            turn = (pieces[p, 5], pieces[p, 6], pieces[p, 7])
-            low, high = clipped(gap, turn, reach[k], pieces[p, 0], pieces[p, 1])
-            if high > low:
-                if count < len(item):
-                    item[count] = k
-                    feature = int(pieces[p, 8])
-                    for column in range(FACED, FACED + 15):
-                        table[count, column] = 0.0
-                    if feature == 0:
-                        write_piece(table, count, low, high, gap, turn, 0.0, 1.0, _row(pair, _NORMAL))
-                        # the weight of a corner is the height above the side across from it
-                        for i in range(3):
-                            across = (i + 1) % 3
-                            table[count, FACED + i] = pair[_H0, across]
-                            table[count, FACED + 3 + i] = pair[_H1, across]
-                            for a in range(3):
-                                table[count, FACED + 6 + 3 * i + a] = pair[_INWARD + across, a]
-                    elif feature < 4:
-                        i = feature - 1
-                        other = feature % 3
-                        u = _row(pair, _SIDE + i)
-                        square = dot(u, u)
-                        write_piece(
-                            table, count, low, high, gap, turn, 1.0, -1.0, scale(1.0 / np.sqrt(square), u)
-                        )
-                        table[count, FACED + i] = 1.0 - pair[_T0, i]
-                        table[count, FACED + other] = pair[_T0, i]
-                        table[count, FACED + 3 + i] = -pair[_T1, i]
-                        table[count, FACED + 3 + other] = pair[_T1, i]
-                        for a in range(3):
-                            table[count, FACED + 6 + 3 * i + a] = -u[a] / square
-                            table[count, FACED + 6 + 3 * other + a] = u[a] / square
-                    else:
-                        write_piece(table, count, low, high, gap, turn, 1.0, 0.0, (0.0, 0.0, 0.0))
-                        table[count, FACED + feature - 4] = 1.0
-                count += 1
-    return count
+def write_facing(
+    table: FloatArray,
+    k: int,
+    low: float,
+    high: float,
+    gap: Vector,
+    turn: Vector,
+    pair: FloatArray,
+    feature: int,
+) -> None:
+    """Write a piece that faces a feature of a triangle, as a row of 28 columns; see :mod:`.line_loops`."""
+    for column in range(FACED, FACED + 15):
+        table[k, column] = 0.0
+    if feature == 0:
+        write_piece(table, k, low, high, gap, turn, 0.0, 1.0, _row(pair, _NORMAL))
+        # the weight of a corner is the height above the side across from it
+        for i in range(3):
+            across = (i + 1) % 3
+            table[k, FACED + i] = pair[_H0, across]
+            table[k, FACED + 3 + i] = pair[_H1, across]
+            for a in range(3):
+                table[k, FACED + 6 + 3 * i + a] = pair[_INWARD + across, a]
+    elif feature < 4:
+        i = feature - 1
+        u = _row(pair, _SIDE + i)
+        square = dot(u, u)
+        write_piece(table, k, low, high, gap, turn, 1.0, -1.0, scale(1.0 / np.sqrt(square), u))
+        write_segment(table, k, 3, i, feature % 3, pair[_T0, i], pair[_T1, i], u, square)
+    else:
+        write_piece(table, k, low, high, gap, turn, 1.0, 0.0, (0.0, 0.0, 0.0))
+        table[k, FACED + feature - 4] = 1.0

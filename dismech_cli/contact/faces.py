@@ -9,7 +9,7 @@ import numpy as np
 from ..arrays import FloatArray, IntArray
 from ..kinematics.dofs import DofMap
 from .candidates import among, near_between
-from .facing_triangle import facing
+from .facing_triangle import features
 from .lines import Lines
 from .pieces import Pieces
 from .surface import Surface
@@ -88,7 +88,8 @@ class Faces:
 
     def distances(self, x: FloatArray, pairs: IntArray) -> FloatArray:
         """Distances of pairs (P, 2), with nodes at (N, 3) [m], shape (P,)."""
-        return face_pieces(x, self.nodes(pairs)).nearest(len(pairs))
+        pieces, _ = face_pieces(x, self.nodes(pairs))
+        return pieces.nearest(len(pairs))
 
     def search(self, x: FloatArray, more: float) -> IntArray:
         """Keys of pairs that may be within reach and ``more`` [m] of each other, ascending."""
@@ -116,10 +117,10 @@ def _balls(corners: FloatArray) -> tuple[FloatArray, FloatArray]:
     return middle, np.sqrt((out * out).sum(axis=2).max(axis=1))
 
 
-def face_pieces(x: FloatArray, nodes: IntArray) -> Pieces:
-    """Pieces of lines by what they face of a triangle each, nodes (P, 5) at (N, 3) [m]."""
+def face_pieces(x: FloatArray, nodes: IntArray) -> tuple[Pieces, IntArray]:
+    """Pieces of lines by what they face of a triangle each, nodes (P, 5) at (N, 3) [m], and the features."""
     places = np.ascontiguousarray(x[nodes].transpose(1, 2, 0))
-    return facing(places[0], places[1] - places[0], places[2:])
+    return features(places[0], places[1] - places[0], places[2:])
 
 
 def boxes_apart(x: FloatArray, more: FloatArray, nodes: IntArray) -> FloatArray:

@@ -9,27 +9,12 @@ import numpy as np
 
 from ..arrays import FloatArray, IntArray
 from .faces import Faces
-from .loops import Loops, Near
+from .loops import Near
 from .points import Points
-from .surface import Junctions, owners
+from .surface import Faced, Junctions, owners
 
 # The secant is that of so much of the reach where a line passes through what it faces.
 _NEAR = 1e-3
-
-
-@dataclass(frozen=True, slots=True)
-class Rows:
-    """Pairs within reach.
-
-    Attributes:
-        rows: Which of those that may face each other, ascending, shape (K,).
-        which: Which of those that were measured, shape (K,).
-        reach: Of these [m], shape (K,).
-    """
-
-    rows: IntArray
-    which: IntArray
-    reach: FloatArray
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,42 +44,34 @@ class Facing:
         return cls(faces, keys, pairs, nodes, junctions)
 
     def points(
-        self, loops: Loops, x: FloatArray, near: Near, at: Rows, factor: FloatArray
+        self, near: Near, which: IntArray, rows: IntArray, reach: FloatArray, factor: FloatArray
     ) -> Iterator[tuple[int, Points, IntArray]]:
         """Points of contact by kind: with triangles, sides and corners; and a pair that each belongs to.
 
         Args:
-            loops: What finds points.
-            x: Nodes [m], shape (N, 3).
-            near: Lines and triangles that were measured there.
-            at: Those within reach, K of them.
+            near: Lines and triangles that were measured.
+            which: Those of them within reach, shape (K,).
+            rows: Where these pairs are among all, ascending, shape (K,).
+            reach: Of these [m], shape (K,).
             factor: Stiffness times rest length of these [N/m], shape (K,).
         """
-        rows, reach = at.rows, at.reach
         if not len(rows):
             return
-        points = near.points(at.which, self.nodes, rows, reach, factor)
-        full_reach, full_factor = np.zeros((2, len(self.keys)))
-        full_reach[rows], full_factor[rows] = reach, factor
-        yield 0, _stiff(points, full_reach[points.item]), points.item
         j = self.junctions
-        side_weight, corner_weight = j.coefficients(rows)
-        side = np.flatnonzero(side_weight)
-        owner = owners(j.sides_of, rows, len(j.sides))
-        if len(side):
-            own = owner[side]
-            scale = side_weight[side] * full_factor[own]
-            points = loops.segment_points(x, j.sides, side, full_reach[own], scale)
-            of = owner[points.item]
-            yield 1, _stiff(points, full_reach[of]), of
-        corner = np.flatnonzero(corner_weight)
-        owner = owners(j.corners_of, rows, len(j.corners))
-        if len(corner):
-            own = owner[corner]
-            scale = corner_weight[corner] * full_factor[own]
-            points = loops.vertex_points(x, j.corners, corner, full_reach[own], scale)
-            of = owner[points.item]
-            yield 2, _stiff(points, full_reach[of]), of
+        side_times, corner_times = j.coefficients(rows)
+        side_owner, corner_owner = (
+            owners(j.sides_of, rows, len(j.sides)),
+            owners(j.corners_of, rows, len(j.corners)),
+        )
+        faced = Faced(
+            which, rows, self.nodes, reach, factor, j, side_times, corner_times, side_owner, corner_owner
+        )
+        own = np.arange(len(self.keys))
+        for kind, (points, of) in enumerate(
+            zip(near.points(faced), (own, side_owner, corner_owner), strict=True)
+        ):
+            owner = of[points.item]
+            yield kind, _stiff(points, faced.owned(owner)[0]), owner
 
 
 def _stiff(points: Points, reach: FloatArray) -> Points:

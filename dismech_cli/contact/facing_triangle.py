@@ -67,7 +67,12 @@ class _Pairs:
 
 
 def facing(start: FloatArray, slope: FloatArray, corners: FloatArray) -> Pieces:
-    """Pieces of lines by the feature that they face of one triangle each.
+    """Pieces of lines by the feature that they face of one triangle each; see :func:`features`."""
+    return features(start, slope, corners)[0]
+
+
+def features(start: FloatArray, slope: FloatArray, corners: FloatArray) -> tuple[Pieces, IntArray]:
+    """Pieces of lines by the feature that they face of one triangle each, and that: 0, 1 to 3, 4 to 6.
 
     Args:
         start: Ends of the lines at s = 0 [m], shape (3, K).
@@ -84,7 +89,7 @@ def facing(start: FloatArray, slope: FloatArray, corners: FloatArray) -> Pieces:
     for number, of in enumerate(_FEATURES):
         rows = np.flatnonzero(feature == number)
         parts.append(of(pairs.some(item[rows]), item[rows], low[rows], high[rows]))
-    return Pieces.joined(parts)
+    return Pieces.joined(parts), np.sort(feature)
 
 
 def _nearest(pairs: _Pairs, s: FloatArray) -> IntArray:

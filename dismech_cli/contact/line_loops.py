@@ -75,6 +75,28 @@ def write_piece(
     table[k, AXIS] = axis
 
 
+@kernel
+def write_segment(
+    table: FloatArray,
+    k: Any,
+    faced: Any,
+    first: Any,
+    second: Any,
+    t0: Any,
+    t1: Any,
+    u: Vector,
+    square: Any,
+) -> None:
+    """Fill the columns of the nodes that are faced, beside a side u from the first to the second of them."""
+    table[k, FACED + first] = 1.0 - t0
+    table[k, FACED + second] = t0
+    table[k, FACED + faced + first] = -t1
+    table[k, FACED + faced + second] = t1
+    for a in range(3):
+        table[k, FACED + 2 * faced + 3 * first + a] = -u[a] / square
+        table[k, FACED + 2 * faced + 3 * second + a] = u[a] / square
+
+
 @loop
 def segment_distances(x: FloatArray, nodes: IntArray, out: FloatArray) -> None:
     """Distances of lines from segments.
@@ -145,13 +167,12 @@ def segment_pieces(
                     write_piece(
                         table, count, low, high, gap, turn, 1.0, -beside, scale(1.0 / np.sqrt(square), u)
                     )
-                    table[count, FACED] = 1.0 - t0 if part == 2 else 1.0 - part
-                    table[count, FACED + 1] = t0 if part == 2 else 1.0 * part
-                    table[count, FACED + 2] = -t1 * beside
-                    table[count, FACED + 3] = t1 * beside
-                    for i in range(3):
-                        table[count, FACED + 4 + i] = -beside * u[i] / square
-                        table[count, FACED + 7 + i] = beside * u[i] / square
+                    if part == 2:
+                        write_segment(table, count, 2, 0, 1, t0, t1, u, square)
+                    else:
+                        for column in range(FACED, FACED + 10):
+                            table[count, column] = 0.0
+                        table[count, FACED + part] = 1.0
                 count += 1
     return count
 

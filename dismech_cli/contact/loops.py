@@ -11,6 +11,7 @@ from .batches import Batches
 from .compiled import Compiled
 from .points import Points
 from .stencils import GeneralPlaces, Stencils, SymmetricPlaces
+from .surface import Faced
 from .touching import Touching
 
 
@@ -30,17 +31,10 @@ class Near(Protocol):
     def distance(self) -> FloatArray:
         """See the class."""
 
-    def points(
-        self, which: IntArray, nodes: IntArray, rows: IntArray, reach: FloatArray, factor: FloatArray
-    ) -> Points:
-        """Points of contact of some of them; valid until the next call.
+    def points(self, faced: Faced) -> tuple[Points, Points, Points]:
+        """Points of contact with triangles, and with the sides and corners that these share.
 
-        Args:
-            which: Of the pairs that are kept, ascending, shape (K,).
-            nodes: Of lines and triangles, shape (S, 5).
-            rows: Where these pairs are among them, shape (K,): the items.
-            reach: Of these [m], shape (K,).
-            factor: Of these, stiffness times rest length times sign [N/m], shape (K,).
+        What counts as often with one sign as with the other is left out. Valid until the next call.
         """
 
 

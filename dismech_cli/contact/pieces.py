@@ -49,13 +49,6 @@ class Pieces:
         """Those of a mask or of indices."""
         return Pieces(*(getattr(self, name)[..., kept] for name in self.__slots__))
 
-    def of_items(self, items: IntArray) -> Pieces:
-        """Those of some ascending items, numbered anew."""
-        some = self.some(np.flatnonzero(np.isin(self.item, items)))
-        return Pieces(
-            np.searchsorted(items, some.item), *(getattr(some, name) for name in self.__slots__[1:])
-        )
-
     def fixed(self) -> Pieces:
         """The same where what is faced follows no nodes."""
         return replace(self, along=self.along[:, :0], spread=self.spread[:0])

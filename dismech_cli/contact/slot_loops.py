@@ -24,29 +24,46 @@ def _found(indptr: IntArray, indices: IntArray, row: Any, column: Any, guess: An
 
 
 @loop
-def find_upper(order: IntArray, indptr: IntArray, indices: IntArray, dofs: IntArray, slots: IntArray) -> None:
+def find_upper(
+    order: IntArray, indptr: IntArray, indices: IntArray, d: int, dofs: IntArray, slots: IntArray
+) -> None:
     """Slots of the upper triangles of items.
+
+    The rows of a node are alike but for their first entries: what was found in one tells where to look in the
+    next.
 
     Args:
         order: Matrix index of each DOF, -1 if fixed, shape (n,).
         indptr: Row pointers, shape (m + 1,).
         indices: Columns, shape (nnz,).
-        dofs: Of each item, shape (S, D).
+        d: DOFs of a node.
+        dofs: Of each item, node by node, shape (S, D).
         slots: Written, shape (S, D (D + 1) / 2).
     """
     size = dofs.shape[1]
     for s in range(len(dofs)):
-        k = 0
-        for i in range(size):
-            slot, a = -2, order[dofs[s, i]]
-            for j in range(i, size):
-                b = order[dofs[s, j]]
-                if a < 0 or b < 0:
-                    slots[s, k] = len(indices)
-                else:
-                    slot = _found(indptr, indices, min(a, b), max(a, b), slot + 1)
-                    slots[s, k] = slot
-                k += 1
+        for p in range(0, size, d):
+            for q in range(p, size, d):
+                swapped = order[dofs[s, p + d - 1]] > order[dofs[s, q + d - 1]]
+                first, second = (q, p) if swapped else (p, q)
+                guess = -1
+                for i in range(first, first + d):
+                    a = order[dofs[s, i]]
+                    begin, found = guess, False
+                    for j in range(i if p == q else second, second + d):
+                        b = order[dofs[s, j]]
+                        low, high = min(i, j), max(i, j)
+                        k = low * size - low * (low - 1) // 2 + high - low
+                        if a < 0 or b < 0:
+                            slots[s, k] = len(indices)
+                        else:
+                            row = min(a, b)
+                            slot = _found(indptr, indices, row, max(a, b), begin)
+                            slots[s, k] = slot
+                            begin = slot + 1
+                            if not found:
+                                found = True
+                                guess = slot - indptr[row] - (0 if p == q else 1) + indptr[row + 1]
 
 
 @loop

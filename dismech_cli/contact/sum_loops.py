@@ -38,9 +38,13 @@ def add_squares(
     weights: FloatArray,
     gap: FloatArray,
     factors: FloatArray,
+    identity: FloatArray,
+    e: FloatArray,
     values: FloatArray,
 ) -> None:
     """Add factors (K,) times u u^T with u_i = w_i x to the upper triangles of the items of points.
+
+    Above a face all gaps of an item are along its normal: there the weights are summed first.
 
     Args:
         slots: Of the upper triangle of each item by rows, shape (S, n d (n d + 1) / 2).
@@ -49,23 +53,48 @@ def add_squares(
         weights: Shape (n, K).
         gap: x, shape (3, K).
         factors: Shape (K,).
+        identity: 0 above a face, shape (K,); see :mod:`.points`.
+        e: The normal of the face there, shape (3, K).
         values: Stored entries, added to, shape (slots,).
     """
     d, n = len(axes), len(weights)
     size = n * d
     u, total = np.empty(size), np.zeros(size * (size + 1) // 2)
+    w, flat = np.empty(n), np.zeros((n, n))
+    above = False
     for k in range(len(item)):
         for i in range(n):
-            for a in range(d):
-                u[i * d + a] = weights[i, k] * gap[axes[a], k]
-        m = 0
-        for i in range(size):
-            row = factors[k] * u[i]
-            for j in range(i, size):
-                total[m + j - i] += row * u[j]
-            m += size - i
+            w[i] = weights[i, k]
+        if identity[k] == 0.0:
+            above = True
+            height = gap[0, k] * e[0, k] + gap[1, k] * e[1, k] + gap[2, k] * e[2, k]
+            factor = factors[k] * height * height
+            for i in range(n):
+                for j in range(i, n):
+                    flat[i, j] += factor * w[i] * w[j]
+        else:
+            for i in range(n):
+                for a in range(d):
+                    u[i * d + a] = w[i] * gap[axes[a], k]
+            m = 0
+            for i in range(size):
+                row = factors[k] * u[i]
+                for j in range(i, size):
+                    total[m + j - i] += row * u[j]
+                m += size - i
         # points of an item follow each other
         if k + 1 == len(item) or item[k + 1] != item[k]:
+            if above:
+                m = 0
+                for i in range(n):
+                    for a in range(d):
+                        for j in range(i, n):
+                            level = flat[i, j] * e[axes[a], k]
+                            for b in range(a if j == i else 0, d):
+                                total[m] += level * e[axes[b], k]
+                                m += 1
+                flat[:] = 0.0
+                above = False
             for m in range(len(total)):
                 values[slots[item[k], m]] += total[m]
                 total[m] = 0.0

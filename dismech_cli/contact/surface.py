@@ -83,6 +83,40 @@ class Junctions:
         return -over.astype(np.float64), np.where(n > 0, 1.0 - n + off, 0.0)
 
 
+@dataclass(frozen=True, slots=True)
+class Faced:
+    """Lines and triangles within reach of each other, and what they share.
+
+    Attributes:
+        which: Which of those that were measured, shape (K,).
+        rows: Which of those that may face each other, ascending, shape (K,).
+        nodes: Of all of these, shape (P, 5).
+        reach: Of the K [m], shape (K,).
+        factor: Stiffness times rest length of the K [N/m], shape (K,).
+        junctions: Of all P.
+        side_times: How often each side counts beside the triangles, shape (S,).
+        corner_times: How often each corner counts beside triangles and sides, shape (C,).
+        side_owner: One of the P that has each side, shape (S,).
+        corner_owner: One of the P that has each corner, shape (C,).
+    """
+
+    which: IntArray
+    rows: IntArray
+    nodes: IntArray
+    reach: FloatArray
+    factor: FloatArray
+    junctions: Junctions
+    side_times: FloatArray
+    corner_times: FloatArray
+    side_owner: IntArray
+    corner_owner: IntArray
+
+    def owned(self, owner: IntArray) -> tuple[FloatArray, FloatArray]:
+        """Reach [m] and factor [N/m] of some of the P, shapes of ``owner``."""
+        place = np.searchsorted(self.rows, owner)
+        return self.reach[place], self.factor[place]
+
+
 def owners(of: IntArray, rows: IntArray, count: int) -> IntArray:
     """The last of some pairs that has each junction, shape (count,)."""
     out = np.zeros(count, dtype=np.int64)

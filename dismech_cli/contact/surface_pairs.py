@@ -14,7 +14,7 @@ from ..model.term import Memory
 from .advance import longest_way
 from .candidates import among
 from .faces import Faces
-from .facing import Facing, Rows
+from .facing import Facing
 from .loops import Loops, Near
 from .placed import Placed
 from .source import Depths
@@ -102,9 +102,11 @@ class SurfacePairs:
         """Lines against triangles, and what sides and corners of these count too much."""
         facing = self._facing
         seen = self._look(x)
-        at = self._within(seen)
-        scale = factor * self._scale[at.rows]
-        for kind, points, owner in facing.points(self._loops, x, seen.near, at, scale):
+        placed = facing.keys
+        which = np.flatnonzero((seen.distance < seen.reach) & among(seen.keys, placed))
+        rows = np.searchsorted(placed, seen.keys[which])
+        scale = factor * self._scale[rows]
+        for kind, points, owner in facing.points(seen.near, which, rows, seen.reach[which], scale):
             stencils = self._stencils[kind]
             yield Touching(
                 kind=kind,
@@ -165,10 +167,10 @@ class SurfacePairs:
         reach = nearest[np.searchsorted(lines, pairs[fellows, 0])]
         inside = np.flatnonzero(now[fellows] < reach)
         facing = Facing.of(every, keys[fellows[inside]])
-        at = Rows(np.arange(len(inside)), inside, reach[inside])
+        rows = np.arange(len(inside))
         held = np.zeros(len(every.lines.nodes))
         scale = every.factor(facing.pairs)
-        for _, points, owner in facing.points(self._loops, x, near, at, scale):
+        for _, points, owner in facing.points(near, inside, rows, reach[inside], scale):
             np.add.at(held, facing.pairs[owner, 0], points.load)
         return float((force / np.maximum(held[lines], force / _LARGEST + np.finfo(float).tiny)).max())
 
@@ -187,12 +189,6 @@ class SurfacePairs:
             return self._loops.face_distances(x0 + part * way, nodes[which])
 
         return longest_way(gap_at, speed, _NEAREST * every.reach(pairs))
-
-    def _within(self, seen: _Seen) -> Rows:
-        """Pairs with places that are within reach."""
-        placed = self._facing.keys
-        which = np.flatnonzero((seen.distance < seen.reach) & among(seen.keys, placed))
-        return Rows(np.searchsorted(placed, seen.keys[which]), which, seen.reach[which])
 
     def _reaching(self, x0: FloatArray, x1: FloatArray) -> IntArray:
         """Keys of pairs that may come within reach of each other on a straight way."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
+from touching_sheets import faces, flat
 
 from dismech_cli.arrays import FloatArray, IntArray
 from dismech_cli.contact.batches import Batches
@@ -12,6 +13,7 @@ from dismech_cli.contact.compiled import Compiled
 from dismech_cli.contact.loops import Loops
 from dismech_cli.contact.points import Points
 from dismech_cli.contact.stencils import GeneralPlaces, Stencils, SymmetricPlaces
+from dismech_cli.contact.surface_pairs import SurfacePairs
 from dismech_cli.contact.touching import Touching
 from dismech_cli.kernels.linearization import Coupling
 from dismech_cli.kernels.numba_driver import NumbaDriver
@@ -51,9 +53,7 @@ def by_item(points: Points, count: int) -> FloatArray:
     """Sums over the points of each item that do not depend on their order, shape (count, ...)."""
     s, w, gap = points.s, points.weights, points.gap
     rows = [points.energy, points.along, points.load, points.growth * s, points.energy * points.identity]
-    # where a line begins on a corner the parts that face each feature differ by rounding: no mean of 1 / |x|
-    turn = np.where(points.item < 80, 0.0, points.turn)
-    rows += [points.energy * points.axis, points.energy * turn, *(points.pull * w)]
+    rows += [points.energy * points.axis, points.energy * points.turn, *(points.pull * w)]
     rows += [*(points.energy * gap), *(points.energy * points.normal), *(points.energy * points.e**2)]
     rows += [*(points.energy * points.spread).reshape(-1, len(s))]
     out = np.zeros((count, len(rows)))
@@ -100,17 +100,24 @@ def test_points_on_lines(compiled: Loops, kind: str) -> None:
             assert_same(ours, theirs)
 
 
-def test_points_on_triangles(compiled: Loops) -> None:
-    """Beside all features."""
-    x, nodes = places(5)
-    limit, rows = np.full(COUNT, REACH), np.arange(COUNT)
-    found = []
-    for loops in (compiled, Batches()):
-        near = loops.look(x, nodes, limit)
-        which = np.flatnonzero(near.distance < REACH)
-        rows = near.kept[which]
-        found.append(near.points(which, nodes, rows, np.full(len(rows), REACH), np.ones(len(rows))))
-    assert_same(*found)
+@pytest.mark.parametrize("rough", [0.0, 0.4])
+def test_points_on_surfaces(compiled: Loops, rough: float) -> None:
+    """Sheets in contact, flat and crumpled: triangles, sides and corners one by one."""
+    found, x = faces([flat(1.0, 0.2, jitter=0.3), flat(1.0, 0.23, turn=17.0, jitter=0.3)], 0.1)
+    x[len(x) // 2 :, 2] += 0.09
+    x = x + rough * 0.1 * RNG.normal(size=x.shape)
+    ours, theirs = (SurfacePairs(found, loops) for loops in (compiled, Batches()))
+    touching = []
+    for pairs in (ours, theirs):
+        pairs.detect(x)
+        touching.append(list(pairs.touching(x, 0.0 * x, 0.0, 1.0)))
+    assert len(touching[0]) == len(touching[1]) == 3
+    for one, other in zip(*touching, strict=True):
+        assert one.kind == other.kind
+        count = len(one.stencils.nodes)
+        expected = by_item(other.points, count)
+        assert np.count_nonzero(expected[:, 0]) > 5 or rough == 0.0
+        assert_allclose(by_item(one.points, count), expected, rtol=1e-8, atol=1e-12 * np.abs(expected).max())
 
 
 @pytest.mark.parametrize("axes", [(0, 1, 2), (0, 2)])
