@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from ..arrays import FloatArray, IntArray
 from .faces import Faces
 from .loops import Near
 from .points import Points
-from .surface import Faced, Junctions, owners
+from .surface import Faced, Junctions, Shared
 
 # The secant is that of so much of the reach where a line passes through what it faces.
 _NEAR = 1e-3
@@ -34,6 +34,8 @@ class Facing:
     pairs: IntArray
     nodes: IntArray
     junctions: Junctions
+    # of the pairs last asked for, which seldom change from one trial point to the next
+    _last: dict[bytes, Shared] = field(init=False, repr=False, compare=False, default_factory=dict)
 
     @classmethod
     def of(cls, faces: Faces, keys: IntArray) -> Facing:
@@ -57,21 +59,19 @@ class Facing:
         """
         if not len(rows):
             return
-        j = self.junctions
-        side_times, corner_times = j.coefficients(rows)
-        side_owner, corner_owner = (
-            owners(j.sides_of, rows, len(j.sides)),
-            owners(j.corners_of, rows, len(j.corners)),
-        )
-        faced = Faced(
-            which, rows, self.nodes, reach, factor, j, side_times, corner_times, side_owner, corner_owner
-        )
-        own = np.arange(len(self.keys))
-        for kind, (points, of) in enumerate(
-            zip(near.points(faced), (own, side_owner, corner_owner), strict=True)
-        ):
+        shared = self._last.get(rows.tobytes())
+        if shared is None:
+            shared = Shared.of(self.junctions, rows)
+            self._last.clear()
+            self._last[rows.tobytes()] = shared
+        full_reach, full_factor = np.zeros((2, len(self.keys)))
+        full_reach[rows], full_factor[rows] = reach, factor
+        faced = Faced(which, self.nodes, full_reach, full_factor, self.junctions, shared)
+        triangles, sides, corners = near.points(faced)
+        yield 0, _stiff(triangles, full_reach[triangles.item]), triangles.item
+        for kind, points, of in ((1, sides, shared.side_owner), (2, corners, shared.corner_owner)):
             owner = of[points.item]
-            yield kind, _stiff(points, faced.owned(owner)[0]), owner
+            yield kind, _stiff(points, full_reach[owner]), owner
 
 
 def _stiff(points: Points, reach: FloatArray) -> Points:

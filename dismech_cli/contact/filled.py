@@ -18,8 +18,15 @@ Loop: TypeAlias = Callable[..., Any]
 class Filler:
     """Points on pieces, in a buffer that is kept."""
 
-    def __init__(self, fill: Loop, faced: int) -> None:
-        self._fill, self._faced = fill, faced
+    def __init__(self, fill: Loop, faced: int, slopes: int) -> None:
+        """Begin with no buffer.
+
+        Args:
+            fill: See :func:`.point_loops.fill_points`.
+            faced: Nodes that are faced.
+            slopes: Nodes whose weights have slopes: all, or none where curvature is left out.
+        """
+        self._fill, self._faced, self._slopes = fill, faced, slopes
         self._numbers = np.empty(0)
 
     def __call__(
@@ -34,12 +41,12 @@ class Filler:
         """See :func:`.point_loops.fill_points`."""
         count, n = 3 * pieces, 2 + self._faced
         scalars = len(point_loops.SCALARS)
-        sizes = np.cumsum([scalars, 9, n, 3 * n]) * count
+        sizes = np.cumsum([scalars, 9, n, 3 * self._slopes]) * count
         if sizes[-1] > len(self._numbers):
             self._numbers = np.empty(2 * sizes[-1])
         numbers, vectors, weights, spread = np.split(self._numbers[: sizes[-1]], sizes[:-1])
         numbers, vectors = numbers.reshape(scalars, count), vectors.reshape(3, 3, count)
-        weights, spread = weights.reshape(n, count), spread.reshape(n, 3, count)
+        weights, spread = weights.reshape(n, count), spread.reshape(self._slopes, 3, count)
         item = np.empty(count, dtype=np.int64)
         self._fill(rows, piece_item, table, reach, factor, item, numbers, vectors, weights, spread)
         s, energy, pull, along, load, growth, identity, axis, turn = numbers
@@ -48,7 +55,7 @@ class Filler:
             item=item,
             s=s,
             weights=weights,
-            spread=spread,
+            spread=spread if self._slopes else np.broadcast_to(0.0, (n, 3, count)),
             gap=gap,
             normal=normal,
             energy=energy,
@@ -68,7 +75,7 @@ class PointsOf:
     """Points of contact of lines with one kind of feature."""
 
     def __init__(self, pieces: Loop, fill: Loop, faced: int) -> None:
-        self._pieces, self._fill = pieces, Filler(fill, faced)
+        self._pieces, self._fill = pieces, Filler(fill, faced, 2 + faced)
         self._item = np.empty(0, dtype=np.int64)
         self._table = np.empty((0, line_loops.piece_columns(faced)))
 

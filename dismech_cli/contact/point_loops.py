@@ -36,7 +36,7 @@ def fill_points(
         numbers: As ``SCALARS`` says, shape (9, 3 P).
         vectors: Gap, normal and axis of each point, shape (3, 3, 3 P).
         weights: Shape (2 + m, 3 P).
-        spread: Slopes of the weights, shape (2 + m, 3, 3 P).
+        spread: Slopes of the weights, shape (2 + m, 3, 3 P), or none of them where nobody asks.
     """
     faced = len(weights) - 2
     for p in range(len(item) // 3):
@@ -69,10 +69,11 @@ def fill_points(
                 vectors[2, i, at] = table[p, EDGE + i]
             weights[0, at] = 1.0 - s
             weights[1, at] = s
-            for i in range(2):
-                for j in range(3):
-                    spread[i, j, at] = 0.0
             for i in range(faced):
                 weights[2 + i, at] = -(table[p, FACED + i] + s * table[p, FACED + faced + i])
+            if len(spread):
                 for j in range(3):
-                    spread[2 + i, j, at] = table[p, FACED + 2 * faced + 3 * i + j]
+                    spread[0, j, at] = 0.0
+                    spread[1, j, at] = 0.0
+                    for i in range(faced):
+                        spread[2 + i, j, at] = table[p, FACED + 2 * faced + 3 * i + j]

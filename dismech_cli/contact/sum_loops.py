@@ -23,11 +23,43 @@ def add_weighted(
         vector: Shape (3, K).
         r: Added to, shape (DOFs,).
     """
-    d = len(axes)
+    d, n = len(axes), len(weights)
+    total = np.zeros(n * d)
     for k in range(len(item)):
-        for i in range(len(weights)):
+        for i in range(n):
             for a in range(d):
-                r[dofs[item[k], i * d + a]] += weights[i, k] * vector[axes[a], k]
+                total[i * d + a] += weights[i, k] * vector[axes[a], k]
+        # points of an item follow each other
+        if k + 1 == len(item) or item[k + 1] != item[k]:
+            for m in range(n * d):
+                r[dofs[item[k], m]] += total[m]
+                total[m] = 0.0
+
+
+@loop
+def _order(n: int, axes: IntArray, pair: IntArray, entry: IntArray) -> None:
+    """Which pair of nodes and which entry of a packed block each entry of an upper triangle is."""
+    d, m, first = len(axes), 0, 0
+    for i in range(n):
+        for row in range(d):
+            for j in range(i, n):
+                for column in range(row if j == i else 0, d):
+                    a, b = min(axes[row], axes[column]), max(axes[row], axes[column])
+                    pair[m] = first + j - i
+                    entry[m] = 3 * a - a * (a - 1) // 2 + b - a
+                    m += 1
+        first += n - i
+
+
+@loop
+def _squared(factor: float, x: float, y: float, z: float, out: FloatArray) -> None:
+    """A factor times the dyad of a vector, packed."""
+    out[0] = factor * x * x
+    out[1] = factor * x * y
+    out[2] = factor * x * z
+    out[3] = factor * y * y
+    out[4] = factor * y * z
+    out[5] = factor * z * z
 
 
 @loop
@@ -57,47 +89,46 @@ def add_squares(
         e: The normal of the face there, shape (3, K).
         values: Stored entries, added to, shape (slots,).
     """
-    d, n = len(axes), len(weights)
-    size = n * d
-    u, total = np.empty(size), np.zeros(size * (size + 1) // 2)
-    w, flat = np.empty(n), np.zeros((n, n))
-    above = False
+    n = len(weights)
+    pair, entry = np.empty(slots.shape[1], dtype=np.int64), np.empty(slots.shape[1], dtype=np.int64)
+    _order(n, axes, pair, entry)
+    # sums of w_i w_j x x^T by pairs of nodes, and of w_i w_j |x|^2 above a face
+    total, flat = np.zeros((n * (n + 1) // 2, 6)), np.zeros(n * (n + 1) // 2)
+    square, above, beside = np.empty(6), False, False
     for k in range(len(item)):
-        for i in range(n):
-            w[i] = weights[i, k]
         if identity[k] == 0.0:
             above = True
             height = gap[0, k] * e[0, k] + gap[1, k] * e[1, k] + gap[2, k] * e[2, k]
-            factor = factors[k] * height * height
+            factor, m = factors[k] * height * height, 0
+            for i in range(n):
+                level = factor * weights[i, k]
+                for j in range(i, n):
+                    flat[m] += level * weights[j, k]
+                    m += 1
+        else:
+            beside = True
+            _squared(factors[k], gap[0, k], gap[1, k], gap[2, k], square)
+            m = 0
             for i in range(n):
                 for j in range(i, n):
-                    flat[i, j] += factor * w[i] * w[j]
-        else:
-            for i in range(n):
-                for a in range(d):
-                    u[i * d + a] = w[i] * gap[axes[a], k]
-            m = 0
-            for i in range(size):
-                row = factors[k] * u[i]
-                for j in range(i, size):
-                    total[m + j - i] += row * u[j]
-                m += size - i
+                    both = weights[i, k] * weights[j, k]
+                    for q in range(6):
+                        total[m, q] += both * square[q]
+                    m += 1
         # points of an item follow each other
         if k + 1 == len(item) or item[k + 1] != item[k]:
+            row = item[k]
             if above:
-                m = 0
-                for i in range(n):
-                    for a in range(d):
-                        for j in range(i, n):
-                            level = flat[i, j] * e[axes[a], k]
-                            for b in range(a if j == i else 0, d):
-                                total[m] += level * e[axes[b], k]
-                                m += 1
+                _squared(1.0, e[0, k], e[1, k], e[2, k], square)
+                for m in range(len(pair)):
+                    values[slots[row, m]] += flat[pair[m]] * square[entry[m]]
                 flat[:] = 0.0
                 above = False
-            for m in range(len(total)):
-                values[slots[item[k], m]] += total[m]
-                total[m] = 0.0
+            if beside:
+                for m in range(len(pair)):
+                    values[slots[row, m]] += total[pair[m], entry[m]]
+                total[:] = 0.0
+                beside = False
 
 
 @loop

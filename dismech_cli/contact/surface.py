@@ -84,37 +84,59 @@ class Junctions:
 
 
 @dataclass(frozen=True, slots=True)
-class Faced:
-    """Lines and triangles within reach of each other, and what they share.
+class Shared:
+    """What some pairs of lines and triangles share.
 
     Attributes:
-        which: Which of those that were measured, shape (K,).
-        rows: Which of those that may face each other, ascending, shape (K,).
-        nodes: Of all of these, shape (P, 5).
-        reach: Of the K [m], shape (K,).
-        factor: Stiffness times rest length of the K [N/m], shape (K,).
-        junctions: Of all P.
+        rows: Which pairs of all, ascending, shape (K,).
         side_times: How often each side counts beside the triangles, shape (S,).
         corner_times: How often each corner counts beside triangles and sides, shape (C,).
-        side_owner: One of the P that has each side, shape (S,).
-        corner_owner: One of the P that has each corner, shape (C,).
+        side_owner: One of the pairs that has each side, shape (S,).
+        corner_owner: One of the pairs that has each corner, shape (C,).
     """
 
-    which: IntArray
     rows: IntArray
-    nodes: IntArray
-    reach: FloatArray
-    factor: FloatArray
-    junctions: Junctions
     side_times: FloatArray
     corner_times: FloatArray
     side_owner: IntArray
     corner_owner: IntArray
 
-    def owned(self, owner: IntArray) -> tuple[FloatArray, FloatArray]:
-        """Reach [m] and factor [N/m] of some of the P, shapes of ``owner``."""
-        place = np.searchsorted(self.rows, owner)
-        return self.reach[place], self.factor[place]
+    @classmethod
+    def of(cls, junctions: Junctions, rows: IntArray) -> Shared:
+        """Of the junctions of all pairs."""
+        j = junctions
+        return cls(
+            rows,
+            *j.coefficients(rows),
+            owners(j.sides_of, rows, len(j.sides)),
+            owners(j.corners_of, rows, len(j.corners)),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Faced:
+    """Lines and triangles within reach of each other.
+
+    Attributes:
+        which: Which of those that were measured, shape (K,).
+        nodes: Of all that may face each other, shape (P, 5).
+        reach: Of all, set for the K [m], shape (P,).
+        factor: Stiffness times rest length, set for the K [N/m], shape (P,).
+        junctions: Of all.
+        shared: Of the K.
+    """
+
+    which: IntArray
+    nodes: IntArray
+    reach: FloatArray
+    factor: FloatArray
+    junctions: Junctions
+    shared: Shared
+
+    @property
+    def rows(self) -> IntArray:
+        """Which of all these are, ascending, shape (K,)."""
+        return self.shared.rows
 
 
 def owners(of: IntArray, rows: IntArray, count: int) -> IntArray:

@@ -20,7 +20,7 @@ class SurfaceLoops:
 
     def __init__(self, loops: list[Loop], fill: Loop) -> None:
         self._faces, self._junctions, self._net, self._sides, self._corners = loops
-        self._fill = tuple(Filler(fill, faced) for faced in (3, 2, 1))
+        self._fill = tuple(Filler(fill, faced, 0) for faced in (3, 2, 1))
         self._capacity = -1
 
     @classmethod
@@ -43,16 +43,17 @@ class SurfaceLoops:
         j = faced.junctions
         self._grow(MOST_PIECES * len(faced.rows) + 2 * len(j.sides) + len(j.corners))
         counts = np.zeros(3, dtype=np.int64)
-        rows, reach, spans = faced.rows, faced.reach, (*self._spans[0], *self._spans[1], counts)
+        shared, rows = faced.shared, faced.rows
+        reach, spans = faced.reach[rows], (*self._spans[0], *self._spans[1], counts)
         self._faces(
             x, faced.nodes, rows, reach, j.sides_of, j.corners_of, self._item, self._tables[0], *spans
         )
-        self._junctions(x, j.sides, faced.side_times, j.ends, faced.corner_times, *spans)
-        whole = self._fill[0](int(counts[0]), rows, self._item, self._tables[0], reach, faced.factor)
+        self._junctions(x, j.sides, shared.side_times, j.ends, shared.corner_times, *spans)
+        whole = self._fill[0](int(counts[0]), rows, self._item, self._tables[0], reach, faced.factor[rows])
         return (
             whole,
-            self._shared(1, self._sides, x, j.sides, int(counts[1]), faced.side_owner, faced),
-            self._shared(2, self._corners, x, j.corners, int(counts[2]), faced.corner_owner, faced),
+            self._shared(1, self._sides, x, j.sides, int(counts[1]), shared.side_owner, faced),
+            self._shared(2, self._corners, x, j.corners, int(counts[2]), shared.corner_owner, faced),
         )
 
     def _shared(
@@ -62,7 +63,8 @@ class SurfaceLoops:
         group, span = self._spans[kind - 1]
         found = self._net(group, span, count, len(nodes), self._group, self._span)
         group, span = self._group[:found].copy(), self._span[:found]
-        reach, factor = faced.owned(owner[group])
+        row = owner[group]
+        reach, factor = faced.reach[row], faced.factor[row]
         pieces = find(x, nodes, group, span, reach, self._item, self._tables[kind])
         return self._fill[kind](pieces, group, self._item, self._tables[kind], reach, factor * span[:, 2])
 

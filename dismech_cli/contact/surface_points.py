@@ -35,15 +35,16 @@ def surface_points(
     j = faced.junctions
     row = faced.rows[pieces.item]
     none = np.full((len(row), 1), -1)
-    shared = np.concatenate((none, j.sides_of[row], j.corners_of[row]), axis=1)
-    number = shared[np.arange(len(row)), feature]
+    numbers = np.concatenate((none, j.sides_of[row], j.corners_of[row]), axis=1)
+    number = numbers[np.arange(len(row)), feature]
     of_side = Spans.once(number, pieces, (number >= 0) & (feature <= 3))
     of_corner = Spans.once(number, pieces, (number >= 0) & (feature > 3))
-    counted = np.flatnonzero(faced.side_times)
+    shared = faced.shared
+    counted = np.flatnonzero(shared.side_times)
     parts = beside(*_lines(x, j.sides[counted]))
-    times, (first, second) = faced.side_times[counted], j.ends[counted].T
+    times, (first, second) = shared.side_times[counted], j.ends[counted].T
     before, between, behind = _thirds(parts)
-    left = np.flatnonzero(faced.corner_times)
+    left = np.flatnonzero(shared.corner_times)
     ends = np.zeros(len(left))
     sides = Spans.joined([of_side, Spans(counted, between.low, between.high, times)])
     corners = Spans.joined(
@@ -51,7 +52,7 @@ def surface_points(
             of_corner,
             Spans(first, before.low, before.high, times),
             Spans(second, behind.low, behind.high, times),
-            Spans(left, ends, ends + 1.0, faced.corner_times[left]),
+            Spans(left, ends, ends + 1.0, shared.corner_times[left]),
         ]
     )
     return (
@@ -73,23 +74,23 @@ def _of_triangles(pieces: Pieces, feature: IntArray, number: IntArray, faced: Fa
     spans = Spans.once(group, pieces, number < 0).net()
     groups, first = np.unique(group[alone], return_index=True)
     example = alone[first[np.searchsorted(groups, spans.group)]]
-    item = pieces.item[example]
-    points = _points(pieces.some(example), spans, faced.reach[item], faced.factor[item])
-    return replace(points, item=faced.rows[item[points.item]])
+    row = faced.rows[pieces.item[example]]
+    points = _points(pieces.some(example), spans, row, faced)
+    return replace(points, item=row[points.item])
 
 
 def _of_sides(x: FloatArray, spans: Spans, faced: Faced) -> Points:
     """Points with sides."""
     parts = beside(*_lines(x, faced.junctions.sides[spans.group]))
     _, between, _ = _thirds(parts)
-    points = _points(between, spans, *faced.owned(faced.side_owner[spans.group]))
+    points = _points(between, spans, faced.shared.side_owner[spans.group], faced)
     return replace(points, item=spans.group[points.item])
 
 
 def _of_corners(x: FloatArray, spans: Spans, faced: Faced) -> Points:
     """Points with corners."""
     whole = facing_node(*_lines(x, faced.junctions.corners[spans.group]))
-    points = _points(whole, spans, *faced.owned(faced.corner_owner[spans.group]))
+    points = _points(whole, spans, faced.shared.corner_owner[spans.group], faced)
     return replace(points, item=spans.group[points.item])
 
 
@@ -99,7 +100,7 @@ def _lines(x: FloatArray, nodes: IntArray) -> list[FloatArray]:
     return [start, end - start, *faced]
 
 
-def _points(pieces: Pieces, spans: Spans, reach: FloatArray, factor: FloatArray) -> Points:
-    """Points on some parts of pieces, by their number."""
+def _points(pieces: Pieces, spans: Spans, row: IntArray, faced: Faced) -> Points:
+    """Points on some parts of pieces, by their number, with the reach and the stiffness of some pairs."""
     parts = replace(pieces, item=np.arange(len(spans.group)), low=spans.low, high=spans.high)
-    return round_points(parts, reach, factor * spans.times)
+    return round_points(parts, faced.reach[row], faced.factor[row] * spans.times)

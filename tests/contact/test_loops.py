@@ -55,7 +55,8 @@ def by_item(points: Points, count: int) -> FloatArray:
     rows = [points.energy, points.along, points.load, points.growth * s, points.energy * points.identity]
     rows += [points.energy * points.axis, points.energy * points.turn, *(points.pull * w)]
     rows += [*(points.energy * gap), *(points.energy * points.normal), *(points.energy * points.e**2)]
-    rows += [*(points.energy * points.spread).reshape(-1, len(s))]
+    if points.bend.any():
+        rows += [*(points.energy * points.spread).reshape(-1, len(s))]
     out = np.zeros((count, len(rows)))
     np.add.at(out, points.item, np.stack(rows, axis=1))
     return out
