@@ -8,6 +8,7 @@ import numpy as np
 
 from ..arrays import FloatArray, IntArray
 from ..kernels.linearization import Pattern
+from .candidates import Boxes, near_among, near_boxes
 from .cores import beside, facing_node
 from .faces import boxes_apart, face_pieces
 from .neighbours import distances
@@ -47,6 +48,14 @@ class Cut:
 
 class Batches:
     """Many at once."""
+
+    def near_among(self, boxes: Boxes) -> IntArray:
+        """Pairs of boxes that are nearer than both sizes."""
+        return near_among(boxes)
+
+    def near_boxes(self, first: Boxes, second: Boxes) -> IntArray:
+        """Pairs of two kinds of boxes that are nearer than both sizes."""
+        return near_boxes(first, second)
 
     def segment_distances(self, x: FloatArray, nodes: IntArray) -> FloatArray:
         """Distances of lines from segments."""

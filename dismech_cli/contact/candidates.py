@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from itertools import combinations_with_replacement
 
 import numpy as np
@@ -11,6 +12,54 @@ from ..arrays import BoolArray, FloatArray, IntArray
 
 # Lines within a class differ in half length and reach by at most this factor: one tree each.
 _CLASS = 4.0
+
+
+@dataclass(frozen=True, slots=True)
+class Boxes:
+    """Boxes along the axes, and how much larger they are meant to be.
+
+    Attributes:
+        low: Lower corners [m], shape (B, 3).
+        high: Upper corners [m], shape (B, 3).
+        sizes: By how much they are larger on all sides [m], shape (B,).
+    """
+
+    low: FloatArray
+    high: FloatArray
+    sizes: FloatArray
+
+    @classmethod
+    def around(cls, places: FloatArray, sizes: FloatArray) -> Boxes:
+        """Boxes of points (B, n, 3) [m]."""
+        return cls(places.min(axis=1), places.max(axis=1), sizes)
+
+    def balls(self) -> tuple[FloatArray, FloatArray]:
+        """Centres and radii of balls that hold them [m], shapes (B, 3) and (B,)."""
+        half = 0.5 * (self.high - self.low)
+        return self.low + half, np.sqrt((half * half).sum(axis=1)) + self.sizes
+
+
+def near_boxes(first: Boxes, second: Boxes) -> IntArray:
+    """All pairs of two kinds of boxes that are nearer than both sizes, ascending, shape (P, 2)."""
+    pairs = near_between(*first.balls(), *second.balls())
+    pairs = pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
+    return pairs[_nearer(first, second, pairs)]
+
+
+def near_among(boxes: Boxes) -> IntArray:
+    """All pairs of boxes that are nearer than both sizes, the lower number first, ascending, shape (P, 2)."""
+    pairs = near_pairs(*boxes.balls())
+    return pairs[_nearer(boxes, boxes, pairs)]
+
+
+def _nearer(first: Boxes, second: Boxes, pairs: IntArray) -> BoolArray:
+    """Which pairs of boxes are nearer than both sizes."""
+    one, other = pairs.T
+    gap = np.maximum(
+        np.maximum(first.low[one] - second.high[other], second.low[other] - first.high[one]), 0.0
+    )
+    near: BoolArray = (gap * gap).sum(axis=1) < (first.sizes[one] + second.sizes[other]) ** 2
+    return near
 
 
 def near_pairs(middles: FloatArray, sizes: FloatArray) -> IntArray:

@@ -10,7 +10,9 @@ from ..arrays import FloatArray, IntArray
 from ..kernels.driver import Driver
 from ..kernels.linearization import Pattern
 from . import face_loops, line_loops, point_loops, slot_loops, sum_loops
+from .candidates import Boxes
 from .filled import Loop, PointsOf
+from .grid import Grid
 from .stencils import GeneralPlaces, Stencils, SymmetricPlaces
 from .surface_compiled import Measured, SurfaceLoops
 from .touching import Touching
@@ -23,6 +25,7 @@ class Compiled:
     segment_points: PointsOf
     vertex_points: PointsOf
     surface: SurfaceLoops
+    grid: Grid
     distances: Loop
     to_faces: Loop
     boxes: Loop
@@ -38,7 +41,7 @@ class Compiled:
     def of(cls, driver: Driver) -> Compiled | None:
         """The loops of a driver; None where it does not compile."""
         fill = driver.compiled(point_loops.fill_points)
-        surface = SurfaceLoops.of(driver)
+        surface, grid = SurfaceLoops.of(driver), Grid.of(driver)
         names = (
             line_loops.segment_pieces,
             line_loops.vertex_pieces,
@@ -54,10 +57,18 @@ class Compiled:
             slot_loops.find_all,
         )
         loops = [made for one in names if (made := driver.compiled(one)) is not None]
-        if fill is None or surface is None or len(loops) < len(names):
+        if fill is None or surface is None or grid is None or len(loops) < len(names):
             return None
         segments, vertices, *others = loops
-        return cls(PointsOf(segments, fill, 2), PointsOf(vertices, fill, 1), surface, *others)
+        return cls(PointsOf(segments, fill, 2), PointsOf(vertices, fill, 1), surface, grid, *others)
+
+    def near_among(self, boxes: Boxes) -> IntArray:
+        """Pairs of boxes that are nearer than both sizes."""
+        return self.grid.near_among(boxes)
+
+    def near_boxes(self, first: Boxes, second: Boxes) -> IntArray:
+        """Pairs of two kinds of boxes that are nearer than both sizes."""
+        return self.grid.near_boxes(first, second)
 
     def segment_distances(self, x: FloatArray, nodes: IntArray) -> FloatArray:
         """Distances of lines from segments."""

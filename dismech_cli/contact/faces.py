@@ -8,7 +8,7 @@ import numpy as np
 
 from ..arrays import FloatArray, IntArray
 from ..kinematics.dofs import DofMap
-from .candidates import among, near_between
+from .candidates import Boxes, among, near_boxes
 from .facing_triangle import features
 from .lines import Lines
 from .pieces import Pieces
@@ -91,30 +91,24 @@ class Faces:
         pieces, _ = face_pieces(x, self.nodes(pairs))
         return pieces.nearest(len(pairs))
 
+    def boxes(self, x: FloatArray, more: float) -> tuple[Boxes, Boxes]:
+        """Boxes of the lines that take part and of the triangles, and how far they and ``more`` [m] reach."""
+        lines, surface = self.lines, self.surface
+        return (
+            Boxes.around(x[lines.nodes[self.numbers]], lines.radii[self.numbers] + more),
+            Boxes.around(x[surface.nodes], surface.halves),
+        )
+
+    def allowed(self, near: IntArray) -> IntArray:
+        """Keys of those pairs of a line that takes part and a triangle (P, 2), ascending, that may touch."""
+        pairs = np.stack((self.numbers[near[:, 0]], near[:, 1]), axis=1)
+        line, face = self.bodies(pairs)
+        keys = self.keys(pairs)
+        return keys[(self.labels[line, face] >= 0) & ~among(keys, self.excluded)]
+
     def search(self, x: FloatArray, more: float) -> IntArray:
         """Keys of pairs that may be within reach and ``more`` [m] of each other, ascending."""
-        ends, corners = x[self.lines.nodes[self.numbers]], x[self.surface.nodes]
-        first, first_size = _balls(ends)
-        second, second_size = _balls(corners)
-        pairs = near_between(
-            first,
-            first_size + self.lines.radii[self.numbers] + more,
-            second,
-            second_size + self.surface.halves,
-        )
-        pairs[:, 0] = self.numbers[pairs[:, 0]]
-        line, face = self.bodies(pairs)
-        pairs = pairs[self.labels[line, face] >= 0]
-        pairs = pairs[boxes_apart(x, x, self.nodes(pairs)) < self.thickness(pairs) + more]
-        keys = np.sort(self.keys(pairs))
-        return keys[~among(keys, self.excluded)]
-
-
-def _balls(corners: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Balls about points (K, n, 3) [m]."""
-    middle = corners.mean(axis=1)
-    out = corners - middle[:, None]
-    return middle, np.sqrt((out * out).sum(axis=2).max(axis=1))
+        return self.allowed(near_boxes(*self.boxes(x, more)))
 
 
 def face_pieces(x: FloatArray, nodes: IntArray) -> tuple[Pieces, IntArray]:

@@ -8,6 +8,7 @@ from ..arrays import FloatArray, IntArray
 from ..kernels.driver import Driver
 from ..kernels.linearization import Pattern
 from .batches import Batches
+from .candidates import Boxes
 from .compiled import Compiled
 from .points import Points
 from .stencils import GeneralPlaces, Stencils, SymmetricPlaces
@@ -43,6 +44,12 @@ class Loops(Protocol):
 
     Points may come in another order.
     """
+
+    def near_among(self, boxes: Boxes) -> IntArray:
+        """Pairs of boxes that are nearer than both sizes, the lower number first, ascending, shape (P, 2)."""
+
+    def near_boxes(self, first: Boxes, second: Boxes) -> IntArray:
+        """Pairs of two kinds of boxes that are nearer than both sizes, ascending, shape (P, 2)."""
 
     def segment_distances(self, x: FloatArray, nodes: IntArray) -> FloatArray:
         """Distances of lines from segments, nodes (P, 4) [m], shape (P,)."""

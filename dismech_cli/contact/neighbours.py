@@ -13,7 +13,7 @@ import numpy as np
 
 from ..arrays import FloatArray, IntArray
 from ..kinematics.dofs import DofMap
-from .candidates import among, near_pairs
+from .candidates import Boxes, among, near_among
 from .cores import beside
 from .lines import Lines
 
@@ -84,13 +84,14 @@ class Neighbours:
         stiff: FloatArray = 0.5 * self.stiffness[directed].max(axis=1) * self.lines.lengths[directed[:, 0]]
         return stiff
 
+    def boxes(self, x: FloatArray, more: float) -> Boxes:
+        """Boxes of the lines that take part, and how far they and ``more`` [m] of each pair reach."""
+        lines = self.lines
+        return Boxes.around(x[lines.nodes[self.numbers]], lines.radii[self.numbers] + 0.5 * more)
+
     def search(self, x: FloatArray, more: float) -> IntArray:
         """Allowed pairs whose lines may be within reach and ``more`` [m] of each other, shape (P, 2)."""
-        lines = self.lines
-        ends = x[lines.nodes[self.numbers]]
-        half = 0.5 * np.sqrt(((ends[:, 1] - ends[:, 0]) ** 2).sum(axis=1))
-        sizes = half + lines.radii[self.numbers] + 0.5 * more
-        return self.allowed(self.numbers[near_pairs(0.5 * ends.sum(axis=1), sizes)])
+        return self.allowed(self.numbers[near_among(self.boxes(x, more))])
 
 
 def distances(ends: FloatArray) -> FloatArray:

@@ -53,14 +53,18 @@ class Search:
         self._look(x0)
         if 2.0 * moved + 2.0 * self._strayed(x0) <= self.skin:
             return self.candidates
-        return self._all.search(x0, 2.0 * moved)
+        return self._find(x0, 2.0 * moved)
+
+    def _find(self, x: FloatArray, more: float) -> IntArray:
+        """Allowed pairs within reach and ``more`` [m], shape (P, 2)."""
+        return self._all.allowed(self._all.numbers[self._loops.near_among(self._all.boxes(x, more))])
 
     def _look(self, x: FloatArray) -> None:
         """Search anew if nodes have moved so far that pairs may be missing."""
         if self._searched is not None and 2.0 * self._strayed(x) <= self.skin - MARGIN * self._thick:
             return
         self._searched = x.copy()
-        self.candidates = self._all.search(x, self.skin)
+        self.candidates = self._find(x, self.skin)
         self._nodes = self._all.nodes(self.candidates)
         self._keys = self._all.keys(self.candidates)
         self.reach = self._all.reach(self.candidates)

@@ -196,7 +196,7 @@ class SurfacePairs:
         self._search(x0)
         keys = self._candidates
         if 2.0 * moved + 2.0 * self._strayed(x0) > self._skin:
-            keys = self._all.search(x0, 2.0 * moved)
+            keys = self._find(x0, 2.0 * moved)
         pairs = self._all.pairs(keys)
         return keys[self._loops.boxes_apart(x0, x1, self._all.nodes(pairs)) < self._all.reach(pairs)]
 
@@ -209,6 +209,10 @@ class SurfacePairs:
             self._seen = _Seen(x, self._candidates[near.kept], self._reach[near.kept], near)
         return self._seen
 
+    def _find(self, x: FloatArray, more: float) -> IntArray:
+        """Keys of pairs within reach and ``more`` [m], ascending."""
+        return self._all.allowed(self._loops.near_boxes(*self._all.boxes(x, more)))
+
     def _search(self, x: FloatArray) -> None:
         """Search anew if nodes have moved so far that pairs may be missing."""
         spare = self._skin - _MARGIN * self._thick
@@ -217,7 +221,7 @@ class SurfacePairs:
             return
         self._skin = _SKIN * self._thick + min(_AHEAD * strayed, _AHEAD * self._thick)
         self._searched = x.copy()
-        self._candidates = self._all.search(x, self._skin)
+        self._candidates = self._find(x, self._skin)
         pairs = self._all.pairs(self._candidates)
         self._nodes, self._reach = self._all.nodes(pairs), self._all.reach(pairs)
 

@@ -9,6 +9,7 @@ from touching_sheets import faces, flat
 
 from dismech_cli.arrays import FloatArray, IntArray
 from dismech_cli.contact.batches import Batches
+from dismech_cli.contact.candidates import Boxes
 from dismech_cli.contact.compiled import Compiled
 from dismech_cli.contact.loops import Loops
 from dismech_cli.contact.points import Points
@@ -177,3 +178,24 @@ def test_places(compiled: Loops, symmetric: bool) -> None:
             assert_array_equal(getattr(one.pattern, name), getattr(other.pattern, name))
         assert_array_equal(one.base_slots, other.base_slots)
         assert_array_equal(one.entry_slots, other.entry_slots)
+
+
+@pytest.mark.parametrize("spread", [0.0, 4.0])
+def test_boxes_on_a_grid(compiled: Loops, spread: float) -> None:
+    """Of equal size, and over four decades: the same pairs in the same order as by trees."""
+    low = RNG.uniform(-1.0, 1.0, size=(600, 3))
+    high = low + 0.1 * RNG.uniform(size=(600, 3)) * 10.0 ** -RNG.uniform(0.0, spread, size=(600, 1))
+    high[:5] = low[:5] + 0.8
+    boxes = Boxes(low, high, 0.02 * RNG.uniform(size=600))
+    pairs = compiled.near_among(boxes)
+    assert len(pairs) > 100
+    assert_array_equal(pairs, Batches().near_among(boxes))
+    gap = np.maximum(np.maximum(low[:, None] - high[None], low[None] - high[:, None]), 0.0)
+    near = (gap * gap).sum(axis=2) < (boxes.sizes[:, None] + boxes.sizes) ** 2
+    assert_array_equal(pairs, np.argwhere(np.triu(near, k=1)))
+    some = Boxes(low[:50], high[:50], boxes.sizes[:50])
+    between = compiled.near_boxes(some, boxes)
+    assert_array_equal(between, Batches().near_boxes(some, boxes))
+    assert_array_equal(between, np.argwhere(near[:50]))
+    nothing = Boxes(low[:0], high[:0], boxes.sizes[:0])
+    assert compiled.near_boxes(nothing, boxes).shape == (0, 2)
