@@ -94,10 +94,11 @@ def add_squares(
     _order(n, axes, pair, entry)
     # sums of w_i w_j x x^T by pairs of nodes, and of w_i w_j |x|^2 above a face
     total, flat = np.zeros((n * (n + 1) // 2, 6)), np.zeros(n * (n + 1) // 2)
-    square, above, beside = np.empty(6), False, False
+    square, upright, above, beside = np.empty(6), np.empty(6), False, False
     for k in range(len(item)):
         if identity[k] == 0.0:
             above = True
+            _squared(1.0, e[0, k], e[1, k], e[2, k], upright)
             height = gap[0, k] * e[0, k] + gap[1, k] * e[1, k] + gap[2, k] * e[2, k]
             factor, m = factors[k] * height * height, 0
             for i in range(n):
@@ -119,9 +120,8 @@ def add_squares(
         if k + 1 == len(item) or item[k + 1] != item[k]:
             row = item[k]
             if above:
-                _squared(1.0, e[0, k], e[1, k], e[2, k], square)
                 for m in range(len(pair)):
-                    values[slots[row, m]] += flat[pair[m]] * square[entry[m]]
+                    values[slots[row, m]] += flat[pair[m]] * upright[entry[m]]
                 flat[:] = 0.0
                 above = False
             if beside:

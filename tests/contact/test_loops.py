@@ -120,6 +120,12 @@ def test_points_on_surfaces(compiled: Loops, rough: float) -> None:
         expected = by_item(other.points, count)
         assert np.count_nonzero(expected[:, 0]) > 5 or rough == 0.0
         assert_allclose(by_item(one.points, count), expected, rtol=1e-8, atol=1e-12 * np.abs(expected).max())
+        i, j = np.triu_indices(one.stencils.dofs.shape[1])
+        upper = SymmetricPlaces(np.arange(count * len(i)).reshape(count, len(i)), i, j)
+        values = np.zeros((2, count * len(i)))
+        compiled.add_squares(one, upper, values[0])
+        Batches().add_squares(other, upper, values[1])
+        assert_allclose(values[0], values[1], rtol=0, atol=1e-12 * np.abs(values[1]).max())
 
 
 @pytest.mark.parametrize("axes", [(0, 1, 2), (0, 2)])
