@@ -77,6 +77,13 @@ class Batches:
         points = round_points(facing_node(start, end - start, vertex), reach, factor)
         return replace(points, item=rows[points.item])
 
+    def closing(self, way: FloatArray, nodes: IntArray) -> FloatArray:
+        """By how much distances of lines from what they face change at most."""
+        ends = way[nodes].transpose(1, 2, 0)
+        apart = ends[:2, None] - ends[None, 2:]
+        speed: FloatArray = np.sqrt((apart * apart).sum(axis=2)).max(axis=(0, 1))
+        return speed
+
     def boxes_apart(self, x: FloatArray, more: FloatArray, nodes: IntArray) -> FloatArray:
         """Distances of the boxes of lines and triangles at two places of the nodes."""
         return boxes_apart(x, more, nodes)

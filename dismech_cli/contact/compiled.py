@@ -27,6 +27,7 @@ class Compiled:
     surface: SurfaceLoops
     grid: Grid
     distances: Loop
+    speeds: Loop
     to_faces: Loop
     boxes: Loop
     weighted: Loop
@@ -46,6 +47,7 @@ class Compiled:
             line_loops.segment_pieces,
             line_loops.vertex_pieces,
             line_loops.segment_distances,
+            line_loops.closing,
             face_loops.face_distances,
             face_loops.boxes_apart,
             sum_loops.add_weighted,
@@ -74,6 +76,12 @@ class Compiled:
         """Distances of lines from segments."""
         out = np.empty(len(nodes))
         self.distances(x, nodes, out)
+        return out
+
+    def closing(self, way: FloatArray, nodes: IntArray) -> FloatArray:
+        """By how much distances of lines from what they face change at most."""
+        out = np.empty(len(nodes))
+        self.speeds(way, nodes, out)
         return out
 
     def boxes_apart(self, x: FloatArray, more: FloatArray, nodes: IntArray) -> FloatArray:

@@ -127,6 +127,18 @@ def segment_distances(x: FloatArray, nodes: IntArray, out: FloatArray) -> None:
 
 
 @loop
+def closing(way: FloatArray, nodes: IntArray, out: FloatArray) -> None:
+    """Greatest difference of the ways of the nodes of lines and of those that they face, nodes (P, n)."""
+    for k in range(len(out)):
+        most = 0.0
+        for i in range(2):
+            for j in range(2, nodes.shape[1]):
+                apart = sub(node(way, nodes[k, i]), node(way, nodes[k, j]))
+                most = max(most, dot(apart, apart))
+        out[k] = np.sqrt(most)
+
+
+@loop
 def segment_pieces(
     x: FloatArray, nodes: IntArray, rows: IntArray, reach: FloatArray, item: IntArray, table: FloatArray
 ) -> int:

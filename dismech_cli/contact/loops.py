@@ -72,6 +72,14 @@ class Loops(Protocol):
     ) -> Points:
         """The same with vertices, nodes (S, 3)."""
 
+    def closing(self, way: FloatArray, nodes: IntArray) -> FloatArray:
+        """By how much distances of lines from what they face, nodes (P, n), change at most [m], shape (P,).
+
+        Args:
+            way: Of each node [m], shape (N, 3).
+            nodes: Two of the line first.
+        """
+
     def boxes_apart(self, x: FloatArray, more: FloatArray, nodes: IntArray) -> FloatArray:
         """Distances of the boxes of lines and triangles, nodes (P, 5), at two places of the nodes [m]."""
 

@@ -167,14 +167,11 @@ class RodPairs:
         if not len(pairs):
             return 1.0
         nodes, way = every.nodes(pairs), x1 - x0
-        ends = way[nodes].transpose(1, 2, 0)
-        apart = ends[:2, None] - ends[None, 2:]
-        speed = np.sqrt((apart * apart).sum(axis=2)).max(axis=(0, 1))
 
         def gap_at(part: float, which: IntArray) -> FloatArray:
             return self._loops.segment_distances(x0 + part * way, nodes[which])
 
-        return longest_way(gap_at, speed, _NEAREST * every.reach(pairs))
+        return longest_way(gap_at, self._loops.closing(way, nodes), _NEAREST * every.reach(pairs))
 
     def _lay_out(self, keys: IntArray) -> None:
         """What pairs with these keys touch with."""

@@ -36,6 +36,31 @@ _LARGEST = 1e9
 
 
 @dataclass(frozen=True, slots=True)
+class _Candidates:
+    """Pairs that may be near.
+
+    Attributes:
+        keys: Of the pairs, ascending, shape (P,).
+        nodes: Of their lines and triangles, shape (P, 5).
+        reach: Distance at which they touch [m], shape (P,).
+    """
+
+    keys: IntArray
+    nodes: IntArray
+    reach: FloatArray
+
+    @classmethod
+    def of(cls, faces: Faces, keys: IntArray) -> _Candidates:
+        """Pairs by their keys."""
+        pairs = faces.pairs(keys)
+        return cls(keys, faces.nodes(pairs), faces.reach(pairs))
+
+    def some(self, kept: IntArray) -> _Candidates:
+        """Those of some indices."""
+        return _Candidates(self.keys[kept], self.nodes[kept], self.reach[kept])
+
+
+@dataclass(frozen=True, slots=True)
 class _Seen:
     """Pairs that are near at some places of the nodes.
 
@@ -75,8 +100,7 @@ class SurfacePairs:
         """
         self._all, self._loops = faces, loops
         self._searched: FloatArray | None = None
-        self._candidates = np.empty(0, dtype=np.int64)
-        self._nodes, self._reach = np.empty((0, 5), dtype=np.int64), np.empty(0)
+        self._candidates = _Candidates.of(faces, np.empty(0, dtype=np.int64))
         self._skin = 0.0
         self._thick = 2.0 * max(
             float(faces.lines.radii[faces.numbers].max(initial=0.0)), float(faces.surface.halves.max())
@@ -145,11 +169,10 @@ class SurfacePairs:
         Each line must be stopped by all that it faces together.
         """
         every = self._all
-        keys = self._reaching(x, ahead)
-        pairs = every.pairs(keys)
-        nodes = every.nodes(pairs)
+        found = self._reaching(x, ahead)
+        keys, nodes, pairs = found.keys, found.nodes, every.pairs(found.keys)
         later = self._loops.face_distances(ahead, nodes)
-        coming = np.flatnonzero(later < every.reach(pairs))
+        coming = np.flatnonzero(later < found.reach)
         if not len(coming):
             return 0.0
         lines, of = np.unique(pairs[coming, 0], return_inverse=True)
@@ -176,42 +199,38 @@ class SurfacePairs:
 
     def longest_step(self, x0: FloatArray, x1: FloatArray, t0: float, t1: float) -> float:
         """Part of the way on which no line passes through a triangle."""
-        every = self._all
-        pairs = every.pairs(self._reaching(x0, x1))
-        if not len(pairs):
+        found, way = self._reaching(x0, x1), x1 - x0
+        if not len(found.keys):
             return 1.0
-        nodes, way = every.nodes(pairs), x1 - x0
-        line, face = way[nodes[:, :2]], way[nodes[:, 2:]]
-        apart = line[:, :, None] - face[:, None]
-        speed = np.sqrt((apart * apart).sum(axis=3)).max(axis=(1, 2))
 
         def gap_at(part: float, which: IntArray) -> FloatArray:
-            return self._loops.face_distances(x0 + part * way, nodes[which])
+            return self._loops.face_distances(x0 + part * way, found.nodes[which])
 
-        return longest_way(gap_at, speed, _NEAREST * every.reach(pairs))
+        return longest_way(gap_at, self._loops.closing(way, found.nodes), _NEAREST * found.reach)
 
-    def _reaching(self, x0: FloatArray, x1: FloatArray) -> IntArray:
-        """Keys of pairs that may come within reach of each other on a straight way."""
+    def _reaching(self, x0: FloatArray, x1: FloatArray) -> _Candidates:
+        """Pairs that may come within reach of each other on a straight way."""
         moved = _farthest((x1 - x0)[self._used])
         self._search(x0)
-        keys = self._candidates
+        found = self._candidates
         if 2.0 * moved + 2.0 * self._strayed(x0) > self._skin:
-            keys = self._find(x0, 2.0 * moved)
-        pairs = self._all.pairs(keys)
-        return keys[self._loops.boxes_apart(x0, x1, self._all.nodes(pairs)) < self._all.reach(pairs)]
+            found = self._find(x0, 2.0 * moved)
+        return found.some(np.flatnonzero(self._loops.boxes_apart(x0, x1, found.nodes) < found.reach))
 
     def _look(self, x: FloatArray) -> _Seen:
         """What is near; kept until other places are asked for."""
         if self._seen is None or not np.array_equal(self._seen.x, x):
             self._search(x)
             x = x.copy()
-            near = self._loops.look(x, self._nodes, (1.0 + _MARGIN) * self._reach)
-            self._seen = _Seen(x, self._candidates[near.kept], self._reach[near.kept], near)
+            every = self._candidates
+            near = self._loops.look(x, every.nodes, (1.0 + _MARGIN) * every.reach)
+            self._seen = _Seen(x, every.keys[near.kept], every.reach[near.kept], near)
         return self._seen
 
-    def _find(self, x: FloatArray, more: float) -> IntArray:
-        """Keys of pairs within reach and ``more`` [m], ascending."""
-        return self._all.allowed(self._loops.near_boxes(*self._all.boxes(x, more)))
+    def _find(self, x: FloatArray, more: float) -> _Candidates:
+        """Pairs within reach and ``more`` [m]."""
+        every = self._all
+        return _Candidates.of(every, every.allowed(self._loops.near_boxes(*every.boxes(x, more))))
 
     def _search(self, x: FloatArray) -> None:
         """Search anew if nodes have moved so far that pairs may be missing."""
@@ -222,8 +241,6 @@ class SurfacePairs:
         self._skin = _SKIN * self._thick + min(_AHEAD * strayed, _AHEAD * self._thick)
         self._searched = x.copy()
         self._candidates = self._find(x, self._skin)
-        pairs = self._all.pairs(self._candidates)
-        self._nodes, self._reach = self._all.nodes(pairs), self._all.reach(pairs)
 
     def _strayed(self, x: FloatArray) -> float:
         """How far a node has moved since the last search [m]."""

@@ -86,7 +86,8 @@ def test_distances_of_triangles(compiled: Loops) -> None:
     near, other = compiled.look(x, nodes, limit), Batches().look(x, nodes, limit)
     assert_array_equal(near.kept, other.kept)
     assert_allclose(near.distance, other.distance, rtol=1e-10, atol=1e-13)
-    more = x + 0.1
+    more = x + 0.1 * RNG.normal(size=x.shape)
+    assert_allclose(compiled.closing(more - x, nodes), Batches().closing(more - x, nodes), rtol=1e-14)
     assert_allclose(compiled.boxes_apart(x, more, nodes), Batches().boxes_apart(x, more, nodes), rtol=1e-14)
 
 
