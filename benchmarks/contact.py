@@ -130,7 +130,8 @@ def report(quick: bool) -> str:
             "## Contact\n\nBodies that touch, by Numba [ms]: the search for what is near (once per half a "
             "thickness of motion), distances of what it found and points of contact (both once per trial "
             "point), their forces and stiffness; beside factorisation and solution of the matrix "
-            "with contact and without, and the extension of the pattern (once per change: entries, merging, slots).",
+            "with contact and without, and the extension of the pattern (once per change: entries, merging, "
+            "slots).",
             table(
                 (
                     "scene",

@@ -122,6 +122,12 @@ class Course:
             **({"rebuilds": count.rebuilds} if contact else {}),
         }
 
+    @property
+    def seconds(self) -> dict[str, float]:
+        """Wall time by phase [s], with contact what it took in solving and observing."""
+        contact = {} if self.simulation.touched is None else {"contact": self.stepper.changing_seconds}
+        return {**self.stopwatch.seconds, **contact, "total": self.stopwatch.wall}
+
     def begin(self) -> Snapshot | None:
         """Start: the energy at rest is the zero of the account.
 

@@ -14,6 +14,7 @@ from ..model.configuration import Configuration
 from ..model.term import BoundChanging, ChangingSet, ChangingTerm, Memory
 from .extender import extender_of
 from .pattern import Extension, SparsityPattern
+from .watch import Watch
 
 Adding: TypeAlias = Callable[[BoundChanging, Configuration, Linearization], None]
 """How a term adds its tangent."""
@@ -40,10 +41,11 @@ class Overlay:
     Attributes:
         terms: All changing terms, bound.
         sets: What decides on their stencils.
+        watch: Time that they take: what is found and what is added.
     """
 
     def __init__(self, base: SparsityPattern, changing: Sequence[ChangingTerm], driver: Driver) -> None:
-        self._extender = extender_of(base, driver)
+        self._extender, self.watch = extender_of(base, driver), Watch()
         self.sets: tuple[ChangingSet, ...] = tuple(term.start(driver) for term in changing)
         bound = [term for one in self.sets for term in one.terms]
         self._symmetric = [term for term in bound if term.symmetric]
@@ -61,16 +63,74 @@ class Overlay:
 
     def begin(self, start: Configuration, dt: float) -> None:
         """Make ready for a step of ``dt`` [s]."""
-        for one in self.sets:
-            one.begin(start, dt)
+        with self.watch:
+            for one in self.sets:
+                one.begin(start, dt)
 
     def detect(self, c: Configuration) -> None:
         """Find the stencils at a trial point."""
-        for one in self.sets:
-            self._moved |= one.detect(c)
+        with self.watch:
+            for one in self.sets:
+                self._moved |= one.detect(c)
 
     def follow(self) -> bool:
         """Give the stencils their places; True if that took another pattern."""
+        with self.watch:
+            return self._followed()
+
+    def add(self, c: Configuration, add: Adding, residual: FloatArray, rank_ones: list[RankOne]) -> None:
+        """Add the terms' residuals and tangents, in one way or another."""
+        with self.watch:
+            self._add(c, add, residual, rank_ones)
+
+    def total(self, base: FloatArray, position: float, velocity: float) -> FloatArray:
+        """Tangent values of all terms: those of the base pattern and, weighted, these; a buffer.
+
+        Args:
+            base: Values of the base pattern, shape (its slots,).
+            position: Weight of the stiffness.
+            velocity: Weight of the damping.
+        """
+        values = self._into.stiffness
+        values *= position
+        values += velocity * self._into.damping
+        values[self._extension.base_slots] += base
+        return values
+
+    def longest_step(self, start: Configuration, end: Configuration) -> float:
+        """Part of the way from ``start`` to ``end`` that all terms allow."""
+        with self.watch:
+            return min(one.longest_step(start, end) for one in self.sets)
+
+    def reverses(self, start: Configuration, end: Configuration) -> bool:
+        """Whether friction turns round on the way between two trial points."""
+        with self.watch:
+            return any(one.reverses(start, end) for one in self.sets)
+
+    def settle(self, end: Configuration) -> bool:
+        """Whether a step that ended here may stand."""
+        with self.watch:
+            return all([one.settle(end) for one in self.sets])
+
+    def take_back(self) -> None:
+        """Undo what the last :meth:`settle` changed."""
+        for one in self.sets:
+            one.take_back()
+
+    def put_in(self, start: Configuration) -> float:
+        """Energy that the changes of the step put in at its start [J]."""
+        return sum(one.put_in(start) for one in self.sets)
+
+    def memory(self) -> dict[str, FloatArray]:
+        """What the next step depends on."""
+        return {name: values for one in self.sets for name, values in one.memory().items()}
+
+    @property
+    def pattern(self) -> SparsityPattern:
+        """See the class."""
+        return self._extension.pattern
+
+    def _followed(self) -> bool:
         if not (self._moved or self._begins):
             return False
         present = [coupling for one in self.sets for coupling in one.couplings]
@@ -93,8 +153,7 @@ class Overlay:
         self._moved = self._begins = False
         return not fits
 
-    def add(self, c: Configuration, add: Adding, residual: FloatArray, rank_ones: list[RankOne]) -> None:
-        """Add the terms' residuals and tangents, in one way or another."""
+    def _add(self, c: Configuration, add: Adding, residual: FloatArray, rank_ones: list[RankOne]) -> None:
         into = self._into
         into.residual, into.rank_ones = residual, rank_ones
         into.stiffness[:] = 0.0
@@ -107,50 +166,6 @@ class Overlay:
             into.damping[lower] = into.damping[upper]
         for term in self._general:
             add(term, c, into)
-
-    def total(self, base: FloatArray, position: float, velocity: float) -> FloatArray:
-        """Tangent values of all terms: those of the base pattern and, weighted, these; a buffer.
-
-        Args:
-            base: Values of the base pattern, shape (its slots,).
-            position: Weight of the stiffness.
-            velocity: Weight of the damping.
-        """
-        values = self._into.stiffness
-        values *= position
-        values += velocity * self._into.damping
-        values[self._extension.base_slots] += base
-        return values
-
-    def longest_step(self, start: Configuration, end: Configuration) -> float:
-        """Part of the way from ``start`` to ``end`` that all terms allow."""
-        return min(one.longest_step(start, end) for one in self.sets)
-
-    def reverses(self, start: Configuration, end: Configuration) -> bool:
-        """Whether friction turns round on the way between two trial points."""
-        return any(one.reverses(start, end) for one in self.sets)
-
-    def settle(self, end: Configuration) -> bool:
-        """Whether a step that ended here may stand."""
-        return all([one.settle(end) for one in self.sets])
-
-    def take_back(self) -> None:
-        """Undo what the last :meth:`settle` changed."""
-        for one in self.sets:
-            one.take_back()
-
-    def put_in(self, start: Configuration) -> float:
-        """Energy that the changes of the step put in at its start [J]."""
-        return sum(one.put_in(start) for one in self.sets)
-
-    def memory(self) -> dict[str, FloatArray]:
-        """What the next step depends on."""
-        return {name: values for one in self.sets for name, values in one.memory().items()}
-
-    @property
-    def pattern(self) -> SparsityPattern:
-        """See the class."""
-        return self._extension.pattern
 
     def _extend(self, entries: IntArray) -> None:
         self._extension: Extension = self._extender.extended(entries)

@@ -116,7 +116,7 @@ class Stepper:
         self.predictor = Predictor(model)
         self._massless = (model.mass == 0.0) & self._moves
         self._advance = through_stages if advance is None else advance
-        self._analyses = 0
+        self._analyses, self._changing_seconds = 0, 0.0
         self._binding = self._bound(0.0)
 
     @property
@@ -134,6 +134,11 @@ class Stepper:
         """How often a pattern has been analysed."""
         return self._analyses + self.system.analyses
 
+    @property
+    def changing_seconds(self) -> float:
+        """Wall time that what comes and goes took so far, such as contact [s]."""
+        return self._changing_seconds + self.system.changing_seconds
+
     def rest_state(self, velocity: FloatArray | None = None, t: float = 0.0) -> State:
         """State at rest in the rest shape, or moving with ``velocity`` (n,)."""
         q = self.model.rest.copy()
@@ -148,6 +153,7 @@ class Stepper:
         """
         if not self._binding.since <= state.t < self._binding.until:
             self._analyses += self.system.analyses
+            self._changing_seconds += self.system.changing_seconds
             self._binding = self._bound(state.t)
         self.system.recall(state)
         if self._jumps(state) and self.integrator.needs_acceleration:

@@ -83,6 +83,11 @@ class System:
         return () if self._overlay is None else self._overlay.terms
 
     @property
+    def changing_seconds(self) -> float:
+        """Wall time that what comes and goes took so far [s]."""
+        return 0.0 if self._overlay is None else self._overlay.watch.seconds
+
+    @property
     def energies(self) -> list[BoundEnergy]:
         """The bound terms whose residual is the gradient of an energy."""
         return self._energies
