@@ -206,7 +206,7 @@ def _row(case: Case, seconds: float) -> tuple[object, ...]:
 
 
 def _candidates(source: RodPairs | SurfacePairs) -> int:
-    return len(source._candidates if isinstance(source, SurfacePairs) else source._search.candidates)
+    return len(source._candidates.keys if isinstance(source, SurfacePairs) else source._search.candidates)
 
 
 def _detection(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -33,6 +33,7 @@ class Wall:
         friction: Coefficients, shape (S,).
         labels: Number of the pair of bodies of each line, shape (S,).
         map: Numbering of the DOFs.
+        stencils: The two nodes of each line.
     """
 
     obstacle: Obstacle
@@ -42,11 +43,10 @@ class Wall:
     friction: FloatArray
     labels: IntArray
     map: DofMap
+    stencils: tuple[Stencils, ...] = field(init=False, repr=False, compare=False)
 
-    @property
-    def stencils(self) -> tuple[Stencils, ...]:
-        """The two nodes of each line."""
-        return (Stencils(self.map, self.lines.nodes),)
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "stencils", (Stencils(self.map, self.lines.nodes),))
 
     def touching(self, x: FloatArray, v: FloatArray, t: float, factor: float) -> Touching:
         """Points of contact."""

@@ -87,10 +87,33 @@ def spread_pairs(begin: IntArray, columns: IntArray, width: IntArray, both: bool
 
 @loop
 def merge(
-    base: IntArray, wanted: IntArray, keys: IntArray, base_slots: IntArray, wanted_slots: IntArray
+    base: IntArray,
+    wanted: IntArray,
+    keys: IntArray,
+    base_slots: IntArray,
+    wanted_slots: IntArray,
+    indptr: IntArray,
+    indices: IntArray,
+    diagonal: IntArray,
 ) -> int:
-    """Merge ascending keys; the number of distinct ones, and where those of either are among them."""
-    i, j, found = 0, 0, 0
+    """Merge ascending keys into compressed rows.
+
+    Args:
+        base: Keys.
+        wanted: Keys.
+        keys: Both, each once, written, as long as both together.
+        base_slots: Where those of the base are among them, written.
+        wanted_slots: Where the wanted ones are, written.
+        indptr: Row pointers, written, shape (m + 1,).
+        indices: Columns, written, as long as ``keys``.
+        diagonal: Slots of the diagonal, written, shape (m,).
+
+    Returns:
+        Number of distinct keys.
+    """
+    m = len(diagonal)
+    i, j, found, row, first = 0, 0, 0, 0, 0
+    indptr[0] = 0
     while i < len(base) or j < len(wanted):
         if j == len(wanted):
             key = base[i]
@@ -98,7 +121,14 @@ def merge(
             key = wanted[j]
         else:
             key = min(base[i], wanted[j])
+        while key >= first + m:
+            row += 1
+            first += m
+            indptr[row] = found
         keys[found] = key
+        indices[found] = key - first
+        if key - first == row:
+            diagonal[row] = found
         if i < len(base) and base[i] == key:
             base_slots[i] = found
             i += 1
@@ -106,4 +136,7 @@ def merge(
             wanted_slots[j] = found
             j += 1
         found += 1
+    while row < m:
+        row += 1
+        indptr[row] = found
     return found

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Protocol, TypeAlias
 
 import numpy as np
@@ -12,7 +12,7 @@ from ..arrays import IntArray
 from ..kernels.driver import Driver
 from ..kernels.linearization import Coupling
 from . import entry_loops
-from .pattern import Extension, SparsityPattern
+from .pattern import Blocks, Extension, SparsityPattern
 
 _Loop: TypeAlias = Callable[..., Any]
 
@@ -33,6 +33,7 @@ class CompiledExtender:
 
     Attributes:
         base: The pattern.
+        blocks: Its blocks of DOFs.
         count: See :func:`.entry_loops.count_pairs`.
         fill: See there.
         spread: See there.
@@ -40,6 +41,7 @@ class CompiledExtender:
     """
 
     base: SparsityPattern
+    blocks: Blocks
     count: _Loop
     fill: _Loop
     spread: _Loop
@@ -47,7 +49,7 @@ class CompiledExtender:
 
     def entries(self, couplings: Iterable[Coupling]) -> IntArray:
         """Keys of all entries of cliques: the pairs of blocks in buckets by rows."""
-        both, blocks = not self.base.symmetric, self.base.blocks()
+        both, blocks = not self.base.symmetric, self.blocks
         m = len(blocks.width)
         cliques = [blocks.places(coupling) for coupling in couplings]
         counts = np.zeros(m + 1, dtype=np.int64)
@@ -67,11 +69,16 @@ class CompiledExtender:
 
     def extended(self, entries: IntArray) -> Extension:
         """The pattern with more entries."""
-        base = self.base.keys
-        keys = np.empty(len(base) + len(entries), dtype=np.int64)
-        base_slots, entry_slots = np.empty_like(base), np.empty_like(entries)
-        found = self.merge(base, entries, keys, base_slots, entry_slots)
-        return Extension.of(self.base, keys[:found].copy(), base_slots, entry_slots, entries)
+        base, m = self.base.keys, self.base.m
+        keys, indices = np.empty((2, len(base) + len(entries)), dtype=np.int64)
+        base_slots, entry_slots = np.empty(len(base) + 1, dtype=np.int64), np.empty_like(entries)
+        indptr, diagonal = np.empty(m + 1, dtype=np.int64), np.empty(m, dtype=np.int64)
+        found = self.merge(base, entries, keys, base_slots, entry_slots, indptr, indices, diagonal)
+        base_slots[-1] = found
+        pattern = replace(
+            self.base, keys=keys[:found], indptr=indptr, indices=indices[:found], diagonal=diagonal
+        )
+        return Extension(pattern, base_slots, entry_slots, entries)
 
 
 def extender_of(base: SparsityPattern, driver: Driver) -> Extender:
@@ -83,4 +90,4 @@ def extender_of(base: SparsityPattern, driver: Driver) -> Extender:
         entry_loops.merge,
     )
     loops: list[_Loop] = [made for one in names if (made := driver.compiled(one)) is not None]
-    return CompiledExtender(base, *loops) if len(loops) == len(names) else base
+    return CompiledExtender(base, base.blocks(), *loops) if len(loops) == len(names) else base

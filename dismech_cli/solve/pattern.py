@@ -149,7 +149,10 @@ class SparsityPattern:
         np.not_equal(ordered[1:], ordered[:-1], out=new[1:])
         slots = np.empty(len(both), dtype=np.int64)
         slots[merged] = np.cumsum(new) - 1
-        return Extension.of(self, ordered[new], slots[: self.nnz], slots[self.nnz :], entries)
+        keys = ordered[new]
+        indptr, indices, diagonal = _compressed(keys, self.m)
+        pattern = replace(self, keys=keys, indptr=indptr, indices=indices, diagonal=diagonal)
+        return Extension(pattern, np.append(slots[: self.nnz], pattern.nnz), slots[self.nnz :], entries)
 
     def blocks(self) -> Blocks:
         """Blocks of free DOFs in matrix order."""
@@ -197,20 +200,6 @@ class Extension:
     base_slots: IntArray
     entry_slots: IntArray
     entries: IntArray
-
-    @classmethod
-    def of(
-        cls,
-        base: SparsityPattern,
-        keys: IntArray,
-        base_slots: IntArray,
-        entry_slots: IntArray,
-        entries: IntArray,
-    ) -> Extension:
-        """Of all keys, ascending, with the places of those of the base and of the entries."""
-        indptr, indices, diagonal = _compressed(keys, base.m)
-        pattern = replace(base, keys=keys, indptr=indptr, indices=indices, diagonal=diagonal)
-        return cls(pattern, np.append(base_slots, pattern.nnz), entry_slots, entries)
 
     def mirror(self) -> tuple[IntArray, IntArray]:
         """Slots (lower, upper) of the strictly lower ones of these entries and of their transposes."""
