@@ -15,6 +15,7 @@ from .commands import (
     examples,
     explain,
     export,
+    gradient,
     init,
     render,
     report,
@@ -74,6 +75,7 @@ _add(compare.compare, "compare", compare.SUMMARY, compare.EXAMPLES)
 _add(render.render, "render", render.SUMMARY, render.EXAMPLES)
 _add(report.report, "report", report.SUMMARY, report.EXAMPLES)
 _add(export.export, "export", export.SUMMARY, export.EXAMPLES)
+_add(gradient.gradient, "gradient", gradient.SUMMARY, gradient.EXAMPLES)
 _add(init.init, "init", init.SUMMARY, init.EXAMPLES)
 _add(examples.examples, "examples", examples.SUMMARY, examples.EXAMPLES)
 _add(schema.schema, "schema", schema.SUMMARY, schema.EXAMPLES)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import inf
+from typing import ClassVar
 
 import numpy as np
 
@@ -42,6 +43,7 @@ class CarriedNodes:
     places: FloatArray | float
     axes: tuple[int, ...]
     release: float = inf
+    remembers: ClassVar[bool] = False
 
     def stays(self, q: FloatArray, v: FloatArray) -> BoolArray:
         """None: they move."""
@@ -82,6 +84,7 @@ class CarriedEdges:
     rigid: Rigid
     twist: Law
     release: float = inf
+    remembers: ClassVar[bool] = True
 
     def stays(self, q: FloatArray, v: FloatArray) -> BoolArray:
         """None: they move."""
@@ -124,6 +127,7 @@ class CarriedNormals:
     normal: FloatArray
     rigid: Rigid
     release: float = inf
+    remembers: ClassVar[bool] = True
 
     def stays(self, q: FloatArray, v: FloatArray) -> BoolArray:
         """None: they move."""

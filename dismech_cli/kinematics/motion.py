@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import inf
-from typing import Protocol
+from typing import ClassVar, Protocol
 
 import numpy as np
 
@@ -44,6 +44,10 @@ class Prescribed(Protocol):
     def release(self) -> float:
         """Time [s] from which the DOFs are free."""
 
+    @property
+    def remembers(self) -> bool:
+        """Whether where they go depends on the last accepted state."""
+
     def stays(self, q: FloatArray, v: FloatArray) -> BoolArray:
         """Which of them never move from a start ``q`` with velocity ``v``, both (n,); shape (K,)."""
 
@@ -76,6 +80,7 @@ class Motion:
     law: Law
     release: float = inf
     places: FloatArray | float = 0.0
+    remembers: ClassVar[bool] = False
 
     def stays(self, q: FloatArray, v: FloatArray) -> BoolArray:
         """Which start where they are held for ever, at rest."""

@@ -6,7 +6,8 @@ chained over Newton iterates: a rejected step leaves no trace.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar, Protocol
 
 import numpy as np
@@ -16,6 +17,7 @@ from ..geometry.kernel import kernel
 from ..geometry.rotation import orthonormal_to, parallel_transport, rotate_about, signed_angle
 from ..geometry.vectors import combine, cross, norm, scale
 from ..kernels.driver import Driver
+from .turning import TurningEdges
 
 
 def _no_vectors() -> FloatArray:
@@ -73,6 +75,22 @@ class Frames(Protocol):
     def transport(self, stored: FrameState, q: FloatArray) -> TrialFrames:
         """Frames at ``q``, parallel-transported from the stored ones."""
 
+    @property
+    def turning(self) -> tuple[TurningEdges, ...]:
+        """Edges whose frames are carried, those of rods before those of shells."""
+
+    def turned(self, stored: FrameState, q: FloatArray, turns: Sequence[FloatArray]) -> FrameState:
+        """Frames at ``q`` transported from the stored ones and turned about their edges.
+
+        Args:
+            stored: Where the transport starts.
+            q: Where it ends, shape (n,).
+            turns: Angles of the edges of each of ``turning`` [rad], each of shape (E,).
+        """
+
+    def turns(self, one: FrameState, other: FrameState) -> tuple[FloatArray, ...]:
+        """Angles [rad] from frames to others about the same tangents, as :meth:`turned` takes them."""
+
 
 _NOTHING = FrameState(np.empty((3, 0)), np.empty((3, 0)), np.empty(0))
 _NO_FRAMES = TrialFrames(_NOTHING, np.empty(0))
@@ -90,6 +108,19 @@ class NoFrames:
     def transport(self, stored: FrameState, q: FloatArray) -> TrialFrames:
         """Return the empty frames."""
         return _NO_FRAMES
+
+    @property
+    def turning(self) -> tuple[TurningEdges, ...]:
+        """None."""
+        return ()
+
+    def turned(self, stored: FrameState, q: FloatArray, turns: Sequence[FloatArray]) -> FrameState:
+        """Return the empty frames."""
+        return _NOTHING
+
+    def turns(self, one: FrameState, other: FrameState) -> tuple[FloatArray, ...]:
+        """None."""
+        return ()
 
 
 @kernel
@@ -182,6 +213,22 @@ class RodFrames:
         tangent, director = out[6:9], out[9:12]
         beta = self.reference_twist(tangent, director, stored.reference_twist)
         return TrialFrames(FrameState(tangent, director, beta), np.concatenate((out[0:6].reshape(-1), beta)))
+
+    @property
+    def turning(self) -> tuple[TurningEdges, ...]:
+        """All edges; kernels vary frames as if they were stored where they are."""
+        return (TurningEdges(self.tails, self.heads, self.angles, varied=False),)
+
+    def turned(self, stored: FrameState, q: FloatArray, turns: Sequence[FloatArray]) -> FrameState:
+        """Frames at ``q``, turned about their edges."""
+        at = self.transport(stored, q).state
+        director = np.stack(rotate_about(at.director, at.tangent, turns[0]))
+        twist = self.reference_twist(at.tangent, director, stored.reference_twist)
+        return replace(at, director=director, reference_twist=twist)
+
+    def turns(self, one: FrameState, other: FrameState) -> tuple[FloatArray, ...]:
+        """Angles between the reference directors."""
+        return (signed_angle(one.director, other.director, one.tangent),)
 
     def reference_twist(self, tangent: FloatArray, director: FloatArray, stored: FloatArray) -> FloatArray:
         """Reference twist of each joint, the one next to a stored one [rad], shape (J,)."""

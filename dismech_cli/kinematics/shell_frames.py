@@ -7,15 +7,17 @@ kernels do this themselves from the stored values, which are therefore their aux
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
-from ..geometry.rotation import signed_angle
+from ..geometry.rotation import rotate_about, signed_angle
 from ..kernels.driver import Driver
 from .dofs import DofMap
 from .rod_frames import Frames, FrameState, TrialFrames, edge_frame
+from .turning import TurningEdges
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,6 +116,23 @@ class ShellFrames:
             )
         )
         return TrialFrames(state, auxiliary)
+
+    @property
+    def turning(self) -> tuple[TurningEdges, ...]:
+        """Those of the rods, and the shell edges: their kernels transport the normals themselves."""
+        return (*self.rods.turning, TurningEdges(self.tails, self.heads, self.angles, varied=True))
+
+    def turned(self, stored: FrameState, q: FloatArray, turns: Sequence[FloatArray]) -> FrameState:
+        """Frames at ``q``, turned about their edges."""
+        at = self.transport(stored, q).state
+        rods = self.rods.turned(stored, q, turns[:-1])
+        normal = np.stack(rotate_about(at.edge_normal, at.edge_tangent, turns[-1]))
+        return replace(at, director=rods.director, reference_twist=rods.reference_twist, edge_normal=normal)
+
+    def turns(self, one: FrameState, other: FrameState) -> tuple[FloatArray, ...]:
+        """Angles between the reference directors of rods, then between normals."""
+        angle = signed_angle(one.edge_normal, other.edge_normal, one.edge_tangent)
+        return (*self.rods.turns(one, other), angle)
 
     def turned_to_faces(self, state: FrameState, q: FloatArray) -> FloatArray:
         """Normals halfway between the faces of each edge at ``q``, shape (3, B).

@@ -1,0 +1,192 @@
+"""A parameter as models at neighbouring values of it, and what of a balance changes from one to the next.
+
+Whatever a parameter means to a scene (a modulus, a radius, a natural curvature, a load, a value of a table
+of time, the length of a rod), composing the scene at other values gives models whose terms, masses, motions
+and starts differ. Their central difference, of the balance at a fixed state and never of the run, is the
+derivative: rounding and curvature leave about 1e-11 of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from ..arrays import FloatArray, IntArray
+from ..kinematics.motion import Since, prescribe
+from ..model.alike import alike
+from ..model.configuration import Configuration
+from ..model.model import Model
+from ..model.state import State
+from ..model.term import BoundTerm
+from .pattern import SparsityPattern
+
+
+@dataclass(frozen=True, slots=True)
+class Difference:
+    """A difference quotient of fourth order.
+
+    Attributes:
+        offsets: Places of the values, in steps.
+        weights: Of the values, to be divided by the step.
+    """
+
+    offsets: tuple[int, ...]
+    weights: tuple[float, ...]
+
+    def __call__(self, values: Sequence[FloatArray], step: float) -> FloatArray:
+        """The derivative from values at the places."""
+        terms = [w * x for w, x in zip(self.weights, values, strict=True)]
+        total: FloatArray = sum(terms[1:], terms[0]) / step
+        return total
+
+
+CENTRAL: Final = Difference((1, -1, 2, -2), (8.0 / 12.0, -8.0 / 12.0, -1.0 / 12.0, 1.0 / 12.0))
+AHEAD: Final = Difference((0, 1, 2, 3, 4), (-25.0 / 12.0, 4.0, -3.0, 4.0 / 3.0, -0.25))
+BEHIND: Final = Difference((0, -1, -2, -3, -4), (25.0 / 12.0, -4.0, 3.0, -4.0 / 3.0, 0.25))
+DIFFERENCES: Final = (CENTRAL, BEHIND, AHEAD)
+"""In the order in which they are tried: at a bound of a parameter, such as a Poisson's ratio of 0.5, there
+are values on one side alone."""
+
+
+class UnlikeError(Exception):
+    """Models at neighbouring values of a parameter are not of one structure."""
+
+    def __init__(self, index: int) -> None:
+        super().__init__(f"parameter {index}")
+        self.index = index
+
+
+@dataclass(frozen=True, slots=True)
+class Neighbours:
+    """Models of one scene at neighbouring values of a parameter.
+
+    Attributes:
+        step: Distance of the values.
+        difference: Says where they are.
+        models: One for each of its places.
+        starts: Where runs of them start.
+    """
+
+    step: float
+    difference: Difference
+    models: tuple[Model, ...]
+    starts: tuple[State, ...]
+
+    def slope(self, values: Sequence[FloatArray]) -> FloatArray:
+        """Derivative of what has these values at the neighbours."""
+        return self.difference(values, self.step)
+
+
+@dataclass(frozen=True, slots=True)
+class Variation:
+    """Derivative of a state to P parameters.
+
+    Attributes:
+        q: Shape (n, P).
+        v: Its rate, shape (n, P).
+        a: The rate of that, shape (n, P).
+        turns: By how much carried frames turn beyond that, for each kind of edges (E, P).
+        residual: Derivative of M a + r of the last stage, shape (n, P).
+    """
+
+    q: FloatArray
+    v: FloatArray
+    a: FloatArray
+    turns: tuple[FloatArray, ...]
+    residual: FloatArray
+
+
+class ParameterSlope:
+    """Derivatives of the parts of a model to one parameter.
+
+    Attributes:
+        mass: That of the diagonal of the mass matrix, shape (n,).
+        moves: Whether motions change with the parameter.
+        nothing: Whether the parameter changes nothing at all.
+    """
+
+    def __init__(self, index: int, model: Model, near: Neighbours, pattern: SparsityPattern) -> None:
+        """Find what changes.
+
+        Args:
+            index: Which parameter it is.
+            model: The model at the value itself.
+            near: Its neighbours.
+            pattern: Holds all DOFs; terms want one when they are bound.
+
+        Raises:
+            UnlikeError: A neighbour has another structure.
+        """
+        names = [term.name for term in model.terms]
+        for other in near.models:
+            if other.dofs != model.dofs or [term.name for term in other.terms] != names:
+                raise UnlikeError(index)
+        self._near = near
+        changed = [
+            index
+            for index, term in enumerate(model.terms)
+            if not all(alike(term, other.terms[index]) for other in near.models)
+        ]
+        self._terms: list[tuple[BoundTerm, ...]] = [
+            tuple(other.terms[index].bind(pattern, other.driver) for other in near.models)
+            for index in changed
+        ]
+        self.mass = near.slope([other.mass for other in near.models])
+        self._inert = not self.mass.any()
+        starts = [(one.q, one.v, one.a, one.frames) for one in near.starts]
+        self.moves = not all(alike(model.motions, other.motions) for other in near.models)
+        self.nothing = (
+            not changed and self._inert and not self.moves and all(alike(starts[0], x) for x in starts)
+        )
+
+    def of_balance(self, c: Configuration, a: FloatArray) -> FloatArray:
+        """D(M a + r)/dp at a fixed state, shape (n,)."""
+        total = np.zeros_like(c.q) if self._inert else self.mass * a
+        for terms in self._terms:
+            values = []
+            for term in terms:
+                r = np.zeros_like(c.q)
+                term.add_residual(c, r)
+                values.append(r)
+            total = total + self._near.slope(values)
+        return total
+
+    def of_holds(
+        self, held: IntArray, t: float, since: Since, dq: FloatArray, turns: Sequence[FloatArray]
+    ) -> FloatArray:
+        """Derivative of where held DOFs are at ``t`` [s], shape (K,).
+
+        Args:
+            held: The DOFs.
+            t: End of the stage.
+            since: State that it started from.
+            dq: Derivative of that, shape (n,).
+            turns: That of its frames, shape (E,) for each kind of edges.
+        """
+        if not self.moves:
+            return dq[held]
+        values = []
+        for offset, model in zip(self._near.difference.offsets, self._near.models, strict=True):
+            step = offset * self._near.step
+            q = since.q + step * dq
+            frames = model.frames.turned(since.frames, q, [step * turn for turn in turns])
+            start = Since(since.t, q, frames)
+            end = q.copy()
+            prescribe(model.motions, end, t, start)
+            values.append(end[held])
+        return self._near.slope(values)
+
+    def of_start(self, start: State) -> tuple[FloatArray, FloatArray, FloatArray, tuple[FloatArray, ...]]:
+        """Derivatives of positions, rates, second rates (n,) and turns of frames (E,) at the start."""
+        near = self._near
+        q = near.slope([other.q for other in near.starts])
+        v = near.slope([other.v for other in near.starts])
+        a = near.slope([other.a for other in near.starts])
+        turned = [
+            model.frames.turns(model.frames.transport(start.frames, other.q).state, other.frames)
+            for model, other in zip(near.models, near.starts, strict=True)
+        ]
+        return q, v, a, tuple(near.slope(angles) for angles in zip(*turned, strict=True))
