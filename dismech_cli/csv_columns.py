@@ -24,6 +24,7 @@ _PARTED: Final[Mapping[str | None, str]] = {
     "\t": "tabs",
     None: "blanks",
 }
+_MISSING: Final = ("", "nan", "na")
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,7 +60,7 @@ class _Table:
         return value if math.isfinite(value) else None
 
 
-def read_columns(path: Path, columns: Sequence[str | int]) -> tuple[FloatArray, ...]:
+def read_columns(path: Path, columns: Sequence[str | int], *, gaps: bool = False) -> tuple[FloatArray, ...]:
     """Columns of a table, chosen by the name in its first line or by number from 0.
 
     Commas, semicolons, tabs or blanks part the cells, as the first line shows; with semicolons, tabs or
@@ -69,6 +70,7 @@ def read_columns(path: Path, columns: Sequence[str | int]) -> tuple[FloatArray, 
     Args:
         path: The file.
         columns: Names or numbers.
+        gaps: Whether cells may be empty, or ``nan``, which gives NaN.
 
     Returns:
         One array per column, shape (rows,), at least one row.
@@ -88,6 +90,8 @@ def read_columns(path: Path, columns: Sequence[str | int]) -> tuple[FloatArray, 
         for k, index in enumerate(indices):
             cell = row.cells[index] if index < len(row.cells) else ""
             value = table.number(cell)
+            if value is None and gaps and cell.strip().lower() in _MISSING:
+                value = math.nan
             if value is None:
                 shown = cell.strip()[:40] if index < len(row.cells) else "nothing"
                 raise ScenarioError(

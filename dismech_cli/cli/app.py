@@ -9,6 +9,7 @@ import typer
 
 from .. import __version__
 from .commands import (
+    calibrate,
     check,
     compare,
     doctor,
@@ -76,6 +77,7 @@ _add(render.render, "render", render.SUMMARY, render.EXAMPLES)
 _add(report.report, "report", report.SUMMARY, report.EXAMPLES)
 _add(export.export, "export", export.SUMMARY, export.EXAMPLES)
 _add(gradient.gradient, "gradient", gradient.SUMMARY, gradient.EXAMPLES)
+_add(calibrate.calibrate, "calibrate", calibrate.SUMMARY, calibrate.EXAMPLES)
 _add(init.init, "init", init.SUMMARY, init.EXAMPLES)
 _add(examples.examples, "examples", examples.SUMMARY, examples.EXAMPLES)
 _add(schema.schema, "schema", schema.SUMMARY, schema.EXAMPLES)

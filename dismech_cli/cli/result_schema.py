@@ -205,6 +205,83 @@ class Compared(_Strict):
     errors: list[Fault] = Field(description="Empty if the exit code is 0.")
 
 
+class Slope(_Strict):
+    """The derivative of a number to a value of the scenario, both in SI units."""
+
+    by: str
+    value: Number
+    unit: str
+    derivative: Number
+    derivative_unit: str
+
+
+class SlopeCheck(_Strict):
+    """A directional derivative beside a difference of runs, and what curvature may have left in that."""
+
+    gradient: Number
+    difference: Number
+    uncertainty: Number
+    agrees: bool
+
+
+class Gradient(_Strict):
+    """What ``gradient`` found."""
+
+    of: str
+    value: Number
+    unit: str
+    method: Literal["forward", "adjoint", "differences"]
+    why: str | None = Field(description="Why there is no exact derivative; null if there is.")
+    gradient: list[Slope]
+    check: SlopeCheck | None = Field(description="Null where it was not asked for.")
+    seconds: dict[str, float] = Field(description="Wall time of the run and of the derivatives.")
+
+
+class FittedValue(_Strict):
+    """A fitted value with its standard deviation, in SI units."""
+
+    of: str
+    unit: str
+    start: Number
+    value: Number
+    deviation: Number
+    at_bound: bool
+    moved_far: bool = Field(description="By more than 3 deviations of what was known.")
+    finer: Number | None = Field(
+        description="Change at half the time step, in deviations; null if not asked."
+    )
+
+
+class FittedData(_Strict):
+    """How a table of samples is met, in its unit."""
+
+    file: str
+    unit: str
+    samples: int
+    deviation: Number
+    rms: Number
+    worst: Number
+    held_out_rms: Number | None
+    scale: Number | None = Field(description="Of a picture, per metre; null otherwise.")
+
+
+class Calibration(_Strict):
+    """What ``calibrate`` found."""
+
+    parameters: list[FittedValue]
+    correlation: list[list[Number]]
+    condition: Number
+    unseen: list[list[Number]] = Field(description="Directions of the parameters that no sample sees.")
+    chi2: Number = Field(description="Sum of squares per degree of freedom.")
+    deviations_known: bool
+    data: list[FittedData]
+    cameras: list[list[Number] | None]
+    evaluations: int
+    runs: int
+    message: str
+    doubts: list[str]
+
+
 class Failure(_Strict):
     """What ended before a run began or a check was through."""
 
@@ -219,8 +296,20 @@ SWEEP: TypeAdapter[Swept | list[SweptPoint] | Failure] = TypeAdapter(Swept | lis
 """With ``--dry-run`` the points alone."""
 COMPARE: TypeAdapter[Compared | Failure] = TypeAdapter(Compared | Failure)
 
+GRADIENT: TypeAdapter[Gradient | Failure] = TypeAdapter(Gradient | Failure)
+
+CALIBRATION: TypeAdapter[Calibration | Failure] = TypeAdapter(Calibration | Failure)
+
 
 def result_schema() -> dict[str, Any]:
     """JSON Schema by command."""
     run, check, sweep = RUN.json_schema(), CHECK.json_schema(), SWEEP.json_schema()
-    return {"run": run, "resume": run, "check": check, "sweep": sweep, "compare": COMPARE.json_schema()}
+    return {
+        "run": run,
+        "resume": run,
+        "check": check,
+        "sweep": sweep,
+        "compare": COMPARE.json_schema(),
+        "gradient": GRADIENT.json_schema(),
+        "calibrate": CALIBRATION.json_schema(),
+    }

@@ -115,10 +115,23 @@ def load(
     Raises:
         ScenarioError: with every fault found, each with file, line, column and key.
     """
+    return read_file(path, allow_outside=allow_outside).load(overrides, profile)
+
+
+def read_file(path: str | Path, *, allow_outside: bool = False) -> Written:
+    """Read a scenario file, to be loaded under several overrides.
+
+    Args:
+        path: YAML or TOML file.
+        allow_outside: Permits files outside the folder of the scenario.
+
+    Raises:
+        ScenarioError: It cannot be read.
+    """
     shown = Path(path)
     source = read_source(shown, str(shown))
     origin = _Origin(shown.resolve(), shown, allow_outside)
-    return _load(parse_source(source, shown.suffix), origin, overrides, profile)
+    return Written(parse_source(source, shown.suffix), origin)
 
 
 def load_text(
@@ -187,6 +200,22 @@ class _Origin:
     path: Path
     shown: Path
     allow_outside: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Written:
+    """The text of a scenario file, before anything is merged into it."""
+
+    _tree: Node
+    _origin: _Origin
+
+    def load(self, overrides: Sequence[str] = (), profile: str | None = None) -> LoadedScenario:
+        """Merge and validate, as :func:`load` does.
+
+        Raises:
+            ScenarioError: with every fault found, each with file, line, column and key.
+        """
+        return _load(self._tree, self._origin, overrides, profile)
 
 
 def _unnamed(name: str, directory: str | Path, allow_outside: bool) -> _Origin:

@@ -23,6 +23,8 @@ from ..model.state import State
 from ..model.term import BoundTerm
 from .pattern import SparsityPattern
 
+_EPS = float(np.finfo(np.float64).eps)
+
 
 @dataclass(frozen=True, slots=True)
 class Difference:
@@ -79,6 +81,12 @@ class Neighbours:
         """Derivative of what has these values at the neighbours."""
         return self.difference(values, self.step)
 
+    def affine_slope(self, values: Sequence[FloatArray]) -> FloatArray:
+        """The same of what is affine in the parameter, from its values at the first two neighbours."""
+        first, second = self.difference.offsets[:2]
+        slope: FloatArray = (values[0] - values[1]) / ((first - second) * self.step)
+        return slope
+
 
 @dataclass(frozen=True, slots=True)
 class Variation:
@@ -130,10 +138,13 @@ class ParameterSlope:
             for index, term in enumerate(model.terms)
             if not all(alike(term, other.terms[index]) for other in near.models)
         ]
-        self._terms: list[tuple[BoundTerm, ...]] = [
-            tuple(other.terms[index].bind(pattern, other.driver) for other in near.models)
+        self._terms = [
+            _Varied(near, tuple(other.terms[index].bind(pattern, other.driver) for other in near.models))
             for index in changed
         ]
+        for c in _anywhere(model, near.starts[0]):
+            for term in self._terms:
+                term.look(c)
         self.mass = near.slope([other.mass for other in near.models])
         self._inert = not self.mass.any()
         starts = [(one.q, one.v, one.a, one.frames) for one in near.starts]
@@ -145,13 +156,8 @@ class ParameterSlope:
     def of_balance(self, c: Configuration, a: FloatArray) -> FloatArray:
         """D(M a + r)/dp at a fixed state, shape (n,)."""
         total = np.zeros_like(c.q) if self._inert else self.mass * a
-        for terms in self._terms:
-            values = []
-            for term in terms:
-                r = np.zeros_like(c.q)
-                term.add_residual(c, r)
-                values.append(r)
-            total = total + self._near.slope(values)
+        for term in self._terms:
+            total = total + term.slope(c)
         return total
 
     def of_holds(
@@ -190,3 +196,48 @@ class ParameterSlope:
             for model, other in zip(near.models, near.starts, strict=True)
         ]
         return q, v, a, tuple(near.slope(angles) for angles in zip(*turned, strict=True))
+
+
+class _Varied:
+    """A term at the neighbours; two evaluations tell all of what is affine, as in moduli and loads."""
+
+    def __init__(self, near: Neighbours, terms: tuple[BoundTerm, ...]) -> None:
+        self._near, self._terms = near, terms
+        # on one side alone a wrong guess would cost three orders of accuracy
+        self._affine = near.difference is CENTRAL
+
+    def look(self, c: Configuration) -> None:
+        """Whether it may still be affine, seen at a trial point."""
+        values = self._values(c, len(self._terms))
+        size = max(float(np.abs(value).max(initial=0.0)) for value in values)
+        rough, fine = self._near.affine_slope(values), self._near.slope(values)
+        apart = float(np.abs(rough - fine).max(initial=0.0))
+        # what rounding of the values alone may leave
+        rounding = 64.0 * _EPS * size / self._near.step
+        self._affine &= apart <= rounding + 1e-13 * float(np.abs(fine).max(initial=0.0))
+
+    def slope(self, c: Configuration) -> FloatArray:
+        """Derivative of its residual, shape (n,)."""
+        if self._affine:
+            return self._near.affine_slope(self._values(c, 2))
+        return self._near.slope(self._values(c, len(self._terms)))
+
+    def _values(self, c: Configuration, count: int) -> list[FloatArray]:
+        values = []
+        for term in self._terms[:count]:
+            r = np.zeros_like(c.q)
+            term.add_residual(c, r)
+            values.append(r)
+        return values
+
+
+def _anywhere(model: Model, start: State) -> list[Configuration]:
+    """Trial points as good as any: shapes and speeds by chance near a start, at several times."""
+    rng = np.random.default_rng(7)
+    points = []
+    for t in (0.0, 0.137, 1.0, 3.71):
+        q = start.q + 0.1 * model.length * rng.uniform(-1.0, 1.0, len(start.q))
+        v = model.length * rng.uniform(-1.0, 1.0, len(start.q))
+        frames = model.frames.transport(start.frames, q)
+        points.append(Configuration(t, q, v, frames, start.inputs))
+    return points

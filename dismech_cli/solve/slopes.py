@@ -23,7 +23,7 @@ import numpy as np
 from scipy.sparse import csr_matrix
 
 from ..arrays import BoolArray, FloatArray, IntArray
-from ..kernels.linearization import Coupling, Linearization, RankOne, all_symmetric
+from ..kernels.linearization import Linearization, RankOne, all_symmetric
 from ..kinematics.turning import TurningEdges
 from ..model.configuration import Configuration
 from ..model.model import Model
@@ -97,13 +97,8 @@ class Slope:
             model: The semi-discrete system, without terms whose stencils come and go.
         """
         self.model = model
-        couplings = [coupling for term in model.terms for coupling in term.couplings]
         everything = np.ones(model.dofs.n, dtype=np.bool_)
-        pattern = SparsityPattern.build(model.dofs, everything, couplings, symmetric=False)
-        groups = model.frames.turning
-        more = [_Corrections.couplings(pattern, group) for group in groups if not group.varied]
-        if not all(pattern.holds(pattern.entries((one,))) for one in more):
-            pattern = SparsityPattern.build(model.dofs, everything, [*couplings, *more], symmetric=False)
+        pattern = _pattern(model, everything)
         self.pattern = pattern
         self._lower, self._upper = pattern.mirror()
         self._energies: list[BoundTerm] = []
@@ -121,8 +116,8 @@ class Slope:
             else:
                 self._energies.append(bound)
         self._into = Linearization.of(model.dofs.n, pattern.slots)
-        self._groups = groups
-        self._corrections = [_Corrections(pattern, one) for one in groups if not one.varied]
+        self._groups = model.frames.turning
+        self._corrections = [_Corrections(pattern, one) for one in self._groups if not one.varied]
 
     def at(self, c: Configuration, before: FloatArray) -> Slopes:
         """Slopes at a trial point.
@@ -178,10 +173,7 @@ class Balance:
         """
         whole = slope.pattern
         rows, columns = whole.free[whole.rows], whole.free[whole.indices]
-        pairs = np.stack((rows, columns), axis=1)
-        self._pattern = SparsityPattern.build(
-            slope.model.dofs, free, (Coupling(pairs, symmetric=False),), symmetric=False
-        )
+        self._pattern = _pattern(slope.model, free)
         self.free = self._pattern.free
         self._slots = self._pattern.slots_of(rows, columns)
         self._mass = np.zeros(self._pattern.slots)
@@ -204,6 +196,12 @@ class Balance:
         return UpdatedFactors(factors, columns[self.free], rows[self.free])
 
 
+def _pattern(model: Model, free: BoolArray) -> SparsityPattern:
+    """Both triangles over some DOFs, given as a mask (n,)."""
+    couplings = [coupling for term in model.terms for coupling in term.couplings]
+    return SparsityPattern.build(model.dofs, free, couplings, symmetric=False)
+
+
 class _Corrections:
     """What the tangents of kernels leave out at the edges of rods; see the module."""
 
@@ -216,22 +214,11 @@ class _Corrections:
         self._edge = edge_of[pattern.indices[self._by_angle]]
         rows = pattern.free[pattern.rows[self._by_angle]]
         ends = np.stack((edges.heads, edges.tails))
-        # slots of (row, component of an end), shape (2, 3, K); and (component, component), (2, 2, 3, 3, E)
+        # every clique that holds an angle holds both nodes of its edge: all these entries are there; slots of
+        # (row, component of an end), shape (2, 3, K); and (component, component), (2, 2, 3, 3, E)
         self._holonomy = pattern.slots_of(rows[None, None], ends[:, :, self._edge])
         self._moment = pattern.slots_of(ends[:, None, :, None], ends[None, :, None, :])
         self._sign = np.array([1.0, -1.0])
-
-    @staticmethod
-    def couplings(pattern: SparsityPattern, edges: TurningEdges) -> Coupling:
-        """Pairs of DOFs that depend on each other through the turning of an edge."""
-        angles = pattern.order[edges.angles]
-        edge_of = np.full(pattern.m, -1)
-        edge_of[angles] = np.arange(len(angles))
-        entries = np.flatnonzero(edge_of[pattern.indices] >= 0)
-        rows = pattern.free[pattern.rows[entries]]
-        ends = np.concatenate((edges.heads, edges.tails))[:, edge_of[pattern.indices[entries]]]
-        pairs = np.stack((np.broadcast_to(rows, ends.shape).ravel(), ends.ravel()), axis=1)
-        return Coupling(pairs, symmetric=False)
 
     def add(
         self,

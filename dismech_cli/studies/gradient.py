@@ -28,15 +28,15 @@ from ..units import KINDS
 from ..words import hint
 from .gradient_reading import Readings, Reduced, states
 from .gradient_run import TapedRun, differentiated, exactly, quietly, run_taped, start_run, why_not
-from .gradient_setting import Nearby, Setting, nearby
+from .gradient_setting import Nearby, Setting, expanded, nearby
 from .source import Source
 
 # Up to as many parameters forward sensitivities are used, which give more; beyond, the adjoint costs less.
 _MANY: Final = 30
-# Steps of differences of runs, of each value.
-_STEP: Final = 1e-3
-# Part of a directional derivative by which it may miss the difference of runs, beyond what that may miss.
-_AGREES: Final = 1e-6
+# Steps of differences of runs, of each value, and the part of a directional derivative by which it may miss
+# them, beyond what curvature leaves. Extremes and periods have kinks where another step of the run becomes
+# the extreme: steps as short as the second rarely pass one.
+_STEPS: Final = ((1e-3, 1e-6), (1e-5, 1e-4))
 
 
 class Method(Enum):
@@ -53,7 +53,7 @@ class Check:
     """A directional derivative beside the difference of runs.
 
     Attributes:
-        gradient: Of the gradient, along the direction that changes every value by its own size.
+        gradient: Of the gradient, along the direction that changes every value up the slope by its size.
         difference: Of runs.
         uncertainty: What curvature may have left in the difference.
         agrees: Whether they do.
@@ -120,6 +120,7 @@ def gradient(
     paths = tuple(by) or tuple(f"parameters.{name}" for name in loaded.parameters)
     if not paths:
         raise ScenarioError("the scenario declares no parameters: say by what to differentiate, --by KEY")
+    paths = tuple(path for text in paths for path in expanded(loaded, text))
     settings = tuple(Setting.of(loaded, path) for path in dict.fromkeys(paths))
     simulation = exactly(composition, {of: target.probe})
     why = why_not(simulation) or _history(_spec(loaded, of))
@@ -130,8 +131,9 @@ def gradient(
     value = target(run.outcome.times, run.outcome.watched[of])
     tock = time.perf_counter()
     if why or method is Method.DIFFERENCES:
-        slopes = np.array([_by_runs(source, target, (setting,))[0] for setting in settings])
-        slopes /= [setting.size for setting in settings]
+        sizes = np.array([setting.size for setting in settings])
+        slopes = np.array([_by_runs(source, target, (one,), np.array([one.size]))[0] for one in settings])
+        slopes /= sizes
         chosen = Method.DIFFERENCES
     else:
         near = [nearby(source, setting, composition.plan.kernels) for setting in settings]
@@ -239,16 +241,25 @@ def _check(
     settings: Sequence[Setting],
     slopes: FloatArray,
 ) -> Check:
-    """Compare along the direction in which every value grows by its own size."""
-    sizes = np.array([setting.size for setting in settings])
-    along, scale = float(slopes @ sizes), float(np.abs(slopes * sizes).sum())
-    difference, uncertainty = _by_runs(source, target, settings)
-    agrees = abs(along - difference) <= _AGREES * scale + 3.0 * uncertainty
+    """Compare up the slope: every value changes by its own size, so that no two changes cancel."""
+    sizes = np.array([setting.size for setting in settings]) * np.where(slopes < 0.0, -1.0, 1.0)
+    along = float(slopes @ sizes)
+    for step, share in _STEPS:
+        difference, uncertainty = _by_runs(source, target, settings, sizes, step)
+        agrees = abs(along - difference) <= share * along + 3.0 * uncertainty
+        if agrees or target.smooth:
+            break
     return Check(along, difference, uncertainty, bool(agrees))
 
 
-def _by_runs(source: Source, target: Reduced, settings: Sequence[Setting]) -> tuple[float, float]:
-    """Derivative along all settings by runs, per their sizes, and what curvature may have left in it.
+def _by_runs(
+    source: Source,
+    target: Reduced,
+    settings: Sequence[Setting],
+    sizes: FloatArray,
+    step: float = _STEPS[0][0],
+) -> tuple[float, float]:
+    """Derivative by runs along changes of all settings, and what curvature may have left in it.
 
     Raises:
         ScenarioError: The scenario cannot be changed so.
@@ -257,26 +268,26 @@ def _by_runs(source: Source, target: Reduced, settings: Sequence[Setting]) -> tu
     refused: ScenarioError | None = None
     for difference in DIFFERENCES:
         try:
-            values = [_run(source, target, settings, k * _STEP) for k in difference.offsets]
+            values = [_run(source, target, settings, k * step * sizes) for k in difference.offsets]
         except ScenarioError as error:
             refused = refused or error
             continue
-        best = float(difference([np.asarray(value) for value in values], _STEP))
+        best = float(difference([np.asarray(value) for value in values], step))
         one, other = (abs(k) == 1 for k in difference.offsets), (k == 0 for k in difference.offsets)
         near = [(k, x) for k, x, a, b in zip(difference.offsets, values, one, other, strict=True) if a or b]
-        plain = (near[0][1] - near[-1][1]) / ((near[0][0] - near[-1][0]) * _STEP)
+        plain = (near[0][1] - near[-1][1]) / ((near[0][0] - near[-1][0]) * step)
         # the plain quotient is off by the square of the step, or by the step; the better one by its square
         left = abs(plain - best)
         scale = max(map(abs, values)) or 1.0
-        return best, left**2 / max(abs(best), left, 1e-300) + 1e-13 * scale / _STEP
+        return best, left**2 / max(abs(best), left, 1e-300) + 1e-13 * scale / step
     assert refused is not None
     raise refused
 
 
-def _run(source: Source, target: Reduced, settings: Sequence[Setting], part: float) -> float:
-    """The number of a run whose settings are greater by a part of their sizes."""
-    changes = [setting.to(setting.value + part * setting.size) for setting in settings]
-    composition = quietly(source, *changes)
+def _run(source: Source, target: Reduced, settings: Sequence[Setting], changes: FloatArray) -> float:
+    """The number of a run whose settings are greater by some changes."""
+    changed = [one.to(one.value + change) for one, change in zip(settings, changes, strict=True)]
+    composition = quietly(source, *changed)
     simulation = composition.simulation
     probe = {**simulation.watched, **simulation.probes}[target.name]
     outcome = run_taped(exactly(composition, {target.name: probe}), Silent()).outcome

@@ -49,6 +49,11 @@ class Reduced:
         """Whether the last state alone counts."""
         return self.how == "last" and self.at is None
 
+    @property
+    def smooth(self) -> bool:
+        """Whether it has no kinks."""
+        return self.how not in ("min", "max", "span", "period")
+
     def __call__(self, times: FloatArray, values: FloatArray) -> float:
         """The number of a course."""
         return reduce_series(times, values, self.how, at=self.at, after=self.after)
@@ -88,16 +93,19 @@ class Eye:
         return probe(self._observer.snapshot(state, residual))
 
     def moved(self, state: State, d: Variation, column: int, step: float) -> State:
-        """A state by a step on in the direction of one parameter."""
-        q = state.q + step * d.q[:, column]
-        turns = [step * turn[:, column] for turn in d.turns]
+        """A state by a step on in the direction of one parameter; its frames stay where they are stored."""
         return replace(
             state,
-            q=q,
+            q=state.q + step * d.q[:, column],
             v=state.v + step * d.v[:, column],
             a=state.a + step * d.a[:, column],
-            frames=self._model.frames.turned(state.frames, q, turns),
         )
+
+    def turned(self, state: State, d: Variation, column: int, step: float) -> State:
+        """The same with frames that turn with it."""
+        moved = self.moved(state, d, column, step)
+        turns = [step * turn[:, column] for turn in d.turns]
+        return replace(moved, frames=self._model.frames.turned(state.frames, moved.q, turns))
 
     def small(self, d: Variation, column: int) -> float:
         """A step in the direction of a parameter that moves a state by little; 0 where nothing moves."""
@@ -126,6 +134,8 @@ class Readings:
             near_probes: The same probe as each of them has it: its places may move with the parameter.
         """
         self._eye, self._probe = Eye(simulation), probe
+        # energies alone are read from frames
+        self._move = self._eye.turned if probe.unit == "J" else self._eye.moved
         self._near = [one.neighbours for one in near]
         self._others = [
             [(Eye(other), there) for other, there in zip(one.simulations, probes, strict=True)]
@@ -155,7 +165,7 @@ class Readings:
             return 0.0
         values = []
         for offset in CENTRAL.offsets:
-            moved = self._eye.moved(state, d, k, offset * step)
+            moved = self._move(state, d, k, offset * step)
             pushed = residual + offset * step * d.residual[:, k]
             values.append(np.asarray(self._eye.read(self._probe, moved, pushed)))
         return float(CENTRAL(values, step))

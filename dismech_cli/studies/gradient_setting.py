@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from math import isfinite
 from typing import Final
 
-from ..compose.compose import compose
+from ..compose.compose import Composition, compose
 from ..errors import ScenarioError
 from ..run.simulation import Simulation
 from ..scenario.load import LoadedScenario, as_path
@@ -82,6 +83,21 @@ class Setting:
         return f"{self.path}={Amount(float(value), self._dimension).scalar()}"
 
 
+def expanded(loaded: LoadedScenario, text: str) -> tuple[str, ...]:
+    """Key paths of the scenario that a text means: ``[*]`` stands for every item of a list.
+
+    Raises:
+        ScenarioError: It means none.
+    """
+    if "[*]" not in text:
+        return (text,)
+    pattern = re.compile(r"\[\d+\]".join(map(re.escape, text.split("[*]"))))
+    found = tuple(path for path in loaded.provenance if pattern.fullmatch(path))
+    if not found:
+        raise ScenarioError(f"{text}: no value of the scenario has such a key path")
+    return found
+
+
 @dataclass(frozen=True, slots=True)
 class Nearby:
     """A scene at neighbouring values of a setting.
@@ -89,12 +105,17 @@ class Nearby:
     Attributes:
         setting: The setting.
         difference: Says at which values.
-        simulations: The scene there.
+        compositions: The scene there.
     """
 
     setting: Setting
     difference: Difference
-    simulations: tuple[Simulation, ...]
+    compositions: tuple[Composition, ...]
+
+    @property
+    def simulations(self) -> tuple[Simulation, ...]:
+        """What would be run there."""
+        return tuple(one.simulation for one in self.compositions)
 
     @property
     def neighbours(self) -> Neighbours:
@@ -119,6 +140,6 @@ def nearby(source: Source, setting: Setting, kernels: str) -> Nearby:
         except ScenarioError as error:
             refused = refused or error
             continue
-        return Nearby(setting, difference, tuple(one.simulation for one in near))
+        return Nearby(setting, difference, tuple(near))
     assert refused is not None
     raise ScenarioError(f"{setting.path} cannot vary: {refused}") from refused

@@ -39,6 +39,29 @@ def overhand_knot(nodes: int = 121, unit: float = 8e-3) -> np.ndarray:
     return np.column_stack([np.interp(even, arc, curve[:, k]) for k in range(3)])
 
 
+def arc(nodes: int = 21, length: float = 0.3) -> np.ndarray:
+    """A quarter of a circle up from the x-axis, without its first node [mm], shape (nodes - 1, 2)."""
+    radius = length / (0.5 * np.pi)
+    angle = np.linspace(0.0, 0.5 * np.pi, nodes)[1:]
+    return 1e3 * radius * np.column_stack([np.sin(angle), 1.0 - np.cos(angle)])
+
+
+def measured_arm() -> tuple[list[str], np.ndarray]:
+    """Ten markers of the arm of measured_arm.yaml as a camera with noise would have seen them [mm, ms]."""
+    from dismech_cli import simulate
+
+    true = ["calibrate=null", "parameters.E=1 MPa", "parameters.drag=0.3 Pa*s"]
+    knots = (0.0, 4.0, -3.0, 5.0, 0.0, -4.0)
+    true += [f"actuation[0].value.table[{k}][1]={knot}" for k, knot in enumerate(knots)]
+    frames = simulate(HERE.parent / "measured_arm.yaml", overrides=[*true, "output.every=20 ms"]).frames[1:]
+    markers = np.arange(2, 21, 2)
+    seen = 1e3 * np.array([frame.positions[markers][:, [0, 2]] for frame in frames])
+    seen += np.random.default_rng(1).normal(scale=4.0, size=seen.shape)
+    names = ["t", *(f"{letter}_{i}" for i in range(len(markers)) for letter in "xz")]
+    times = 1e3 * np.array([[frame.t] for frame in frames])
+    return names, np.hstack((times, seen.reshape(len(frames), -1)))
+
+
 if __name__ == "__main__":
     np.savetxt(
         HERE / "helix_lead_in.csv", helix_lead_in(), fmt="%.12g", delimiter=",", header="x,y,z", comments=""
@@ -47,3 +70,12 @@ if __name__ == "__main__":
     np.savetxt(
         HERE / "overhand_knot.csv", overhand_knot(), fmt="%.12g", delimiter=",", header="x,y,z", comments=""
     )
+    np.savetxt(HERE / "arc.csv", arc(), fmt="%.6f", delimiter=",", header="x,y", comments="")
+    names, rows = measured_arm()
+    text = [",".join([f"{row[0]:g}", *(f"{x:.2f}" for x in row[1:])]) for row in rows]
+    # markers that were hidden for a while
+    for k in range(12, 20):
+        cells = text[k].split(",")
+        cells[5:9] = ["", "", "", ""]
+        text[k] = ",".join(cells)
+    (HERE / "measured_arm.csv").write_text("\n".join([",".join(names), *text, ""]))

@@ -24,6 +24,8 @@ COMMANDS = (
     "render",
     "report",
     "export",
+    "gradient",
+    "calibrate",
     "init",
     "examples",
     "schema",

@@ -151,5 +151,5 @@ def test_a_disk_that_fills_during_a_run(nursery: Nursery, swing: Path) -> None:
 
 def test_the_schemas_are_printed(call: Callable[..., Done]) -> None:
     printed = json.loads(call("schema", "--results").stdout)
-    assert list(printed) == ["run", "resume", "check", "sweep", "compare"]
+    assert list(printed) == ["run", "resume", "check", "sweep", "compare", "gradient", "calibrate"]
     assert printed["run"]["$defs"]["Fault"]["required"] == ["file", "line", "column", "key", "message"]

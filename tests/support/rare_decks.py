@@ -216,10 +216,6 @@ def starts_displaced(made: Composition) -> None:
     assert_array_equal(made.simulation.model.rest.reshape(-1, 2)[:4, 1], 0.0)
 
 
-def lies_in_xy(made: Composition) -> None:
-    assert made.plan.axes == (0, 1)
-
-
 def varies_with_place(made: Composition) -> None:
     (one,) = made.geometry.properties
     x = np.array([1.0, 3.0, 5.0]) / 6.0
@@ -286,7 +282,6 @@ BODIES = {
         classes=frozenset({"FromDisplacements", "Displaced", "PositionFile"}),
         files={"d.csv": "0 0\n0 0.1\n0 0.2\n0 0.3\n"},
     ),
-    "plane xy": Rare(rod_deck(line(4), plane="xy"), lies_in_xy, choices=frozenset({("plane", "xy")})),
     "equal hinges": Rare(
         shell_deck(SHEET | {"pattern": "alternating"}, body={"bending": "hinge", "hinges": "equal"}),
         has_equal_hinges,

@@ -64,12 +64,8 @@ def gradient(
     from ...studies.source import Source
     from ..console import emit
 
-    source = Source(
-        path=scenario,
-        overrides=tuple(overrides or ()),
-        profile=None if profile is None else profile.value,
-        allow_outside=allow_outside,
-    )
+    chosen = None if profile is None else profile.value
+    source = Source.of(scenario, tuple(overrides or ()), chosen, allow_outside=allow_outside)
     with options.narrator(progress, quiet, verbose) as console:
         found = gradient(
             source, of, tuple(by or ()), console, method=Method(method.value), checked=not no_check

@@ -17,7 +17,7 @@ dismech schema --results
 def schema(
     markdown: Annotated[bool, typer.Option("--markdown", help="The reference as Markdown.")] = False,
     results: Annotated[
-        bool, typer.Option("--results", help="Schemas of what run, resume and check print with --json.")
+        bool, typer.Option("--results", help="Schemas of what commands print with --json.")
     ] = False,
 ) -> int:
     """Entry point of the command."""

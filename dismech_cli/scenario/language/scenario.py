@@ -12,6 +12,7 @@ from pydantic import Field, Strict, model_validator
 from ..values.quantity import FileName, Name
 from ..values.spec import Spec
 from .actuation import Actuation
+from .calibrate import Calibrate
 from .contact import Contact
 from .expect import Expectation
 from .force import Force
@@ -92,6 +93,9 @@ class Scenario(Spec):
         default={}, description="Numbers that the run must give, by name."
     )
     sweep: Sweep | None = Field(default=None, description="What `dismech sweep` varies; no part of a run.")
+    calibrate: Calibrate | None = Field(
+        default=None, description="What `dismech calibrate` fits to what; runs do not know of it."
+    )
 
     @model_validator(mode="before")
     @classmethod
