@@ -23,6 +23,7 @@ from .commands import (
     resume,
     run,
     schema,
+    study,
     sweep,
 )
 from .exits import leave
@@ -71,6 +72,7 @@ _add(run.run, "run", run.SUMMARY, run.EXAMPLES)
 _add(check.check, "check", check.SUMMARY, check.EXAMPLES)
 _add(explain.explain, "explain", explain.SUMMARY, explain.EXAMPLES)
 _add(resume.resume, "resume", resume.SUMMARY, resume.EXAMPLES)
+_add(study.study, "study", study.SUMMARY, study.EXAMPLES)
 _add(sweep.sweep, "sweep", sweep.SUMMARY, sweep.EXAMPLES)
 _add(compare.compare, "compare", compare.SUMMARY, compare.EXAMPLES)
 _add(render.render, "render", render.SUMMARY, render.EXAMPLES)

@@ -26,6 +26,7 @@ from .motion import InitialVelocity, Motion
 from .numerics import Numerics
 from .obstacle import Obstacle
 from .output import Output
+from .study import Study
 from .sweep import Sweep
 
 SCHEMA_VERSION: Final = 1
@@ -92,6 +93,7 @@ class Scenario(Spec):
     expect: dict[Name, Expectation] = Field(
         default={}, description="Numbers that the run must give, by name."
     )
+    study: Study | None = Field(default=None, description="What `dismech study` tries; no part of a run.")
     sweep: Sweep | None = Field(default=None, description="What `dismech sweep` varies; no part of a run.")
     calibrate: Calibrate | None = Field(
         default=None, description="What `dismech calibrate` fits to what; runs do not know of it."

@@ -1,0 +1,295 @@
+"""The search for the cheapest setting that meets a target, in a few runs of all that could be made.
+
+1. Every alternative is raced at its two coarsest stable steps, on a coarse mesh: from their difference
+   follows what it would cost at half the target. The best goes on, and what is within 1.6 of it.
+2. Errors of step and mesh are estimated apart, each along its own line of levels, and added: where they
+   cancel they do so by chance. The mesh is looked at with the coarsest step, once for all alternatives.
+3. Whichever is more than half the target is refined, until their sum meets it, or no level is left.
+4. The cheapest that does is the answer; its step is stretched by what is left of the target.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from itertools import pairwise, product
+from math import ceil, inf, log
+from typing import Final
+
+from .errors import NO_ERROR, Estimate, Yardstick, estimate
+from .measure import Point
+from .space import Setting, Space, stretched
+
+# Alternatives go on up to this much dearer than the best of the race.
+_CLOSE: Final = 1.6
+_UNREACHED: Final = "no setting meets the target together with its finer neighbours: add a level"
+# A stretch of the last step below this is not tried.
+_WORTH: Final = 1.15
+
+Key = tuple[int, int, int]
+"""Alternative, level of time, level of mesh."""
+
+Run = Callable[[tuple[Setting, ...], float], Point]
+"""Makes a run, at a price per step and degree of freedom [s] that others had; infinite if none is known."""
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """A setting that meets the target, or the last that was tried.
+
+    Attributes:
+        point: Its run.
+        time: Error of its steps.
+        mesh: Error of its mesh.
+        meets: Whether their sum meets the target.
+        reason: Why not.
+    """
+
+    point: Point
+    time: Estimate
+    mesh: Estimate
+    meets: bool
+    reason: str = ""
+
+    @property
+    def error(self) -> float:
+        """Sum of both."""
+        return self.time.error + self.mesh.error
+
+
+@dataclass
+class Search:
+    """One search; remembers all runs.
+
+    Attributes:
+        space: What is tried.
+        run: Makes a run.
+        yardstick: Compares them.
+        target: Largest error allowed.
+        points: Runs by alternative and levels of time and mesh.
+        still: Quantities that did not change in the first run.
+    """
+
+    space: Space
+    run: Run
+    yardstick: Yardstick
+    target: float
+    points: dict[Key, Point] = field(default_factory=dict)
+    extra: list[Point] = field(default_factory=list)
+    still: list[str] = field(default_factory=list)
+    _price: float = inf
+
+    def at(self, method: int, time: int, mesh: int) -> Point:
+        """The run of a point, made once."""
+        key = (method, time, mesh)
+        if key not in self.points:
+            first = not any(one.stable for one in self.points.values())
+            point = self.points[key] = self._made(self.space.settings(*key))
+            if first and point.stable:
+                self.still = self.yardstick.start(point.courses)
+        return self.points[key]
+
+    def _made(self, settings: tuple[Setting, ...]) -> Point:
+        point = self.run(settings, self._price)
+        if point.stable and point.cpu > 0.0:
+            self._price = min(self._price, point.cpu / point.size)
+        return point
+
+    # -- estimates -----------------------------------------------------------------------------------------
+
+    def time_error(self, method: int, time: int, mesh: int) -> Estimate:
+        """Error of the steps of a level, from it and up to two coarser ones."""
+        point = self.at(method, time, mesh)
+        return self._along(
+            [self.at(method, k, mesh) for k in range(max(time - 2, 0), time + 1)],
+            self.space.time.ratio,
+            self.space.time_order(point.order),
+        )
+
+    def mesh_error(self, method: int, time: int, mesh: int) -> Estimate:
+        """Error of a mesh, from it and up to two coarser ones."""
+        points = [self.at(method, time, k) for k in range(max(mesh - 2, 0), mesh + 1)]
+        return self._along(points, self.space.mesh.ratio, self.space.mesh_order)
+
+    def _along(self, points: list[Point], ratio: float, order: float) -> Estimate:
+        if not points[-1].stable:
+            return Estimate(inf, steady=False)
+        if self.yardstick.known:
+            return Estimate(self.yardstick.error(points[-1].courses))
+        stable = [one for one in points if one.stable]
+        if len(points) == 1:
+            return NO_ERROR
+        if len(stable) < 2:
+            return Estimate(inf, steady=False)
+        differences = [self.yardstick.distance(a.courses, b.courses) for a, b in pairwise(stable)]
+        return estimate(differences, ratio, order)
+
+    # -- the search ----------------------------------------------------------------------------------------
+
+    def find(self) -> list[Found]:
+        """What every alternative that was worth it came to, the cheapest that meets the target first."""
+        mesh = min(1, len(self.space.mesh) - 1)
+        races = [self._race(method, mesh) for method in range(len(self.space.methods))]
+        best = min(cost for cost, _, _ in races)
+        if best == inf:
+            return []
+        kept = [(method, race) for method, race in enumerate(races) if race[0] <= _CLOSE * best]
+        found = [self._refined(method, race[1], race[2], mesh) for method, race in kept]
+        found.sort(key=lambda one: (not one.meets, one.point.cpu if one.meets else one.error))
+        if found[0].meets:
+            found[0] = self._stretched(found[0])
+        return found
+
+    def find_among_all(self) -> list[Found]:
+        """The same after every run was made: the cheapest that meets the target with its finer neighbours."""
+        space = self.space
+        for method, time, mesh in product(
+            range(len(space.methods)), range(len(space.time)), range(len(space.mesh))
+        ):
+            self.at(method, time, mesh)
+        errors = self.known_errors()
+        robust = [key for key in errors if all(errors.get(k, inf) <= self.target for k in self._finer(key))]
+        found = [
+            Found(self.points[key], Estimate(errors[key]), NO_ERROR, True)
+            for key in sorted(robust, key=lambda key: self.points[key].cpu)
+        ]
+        return found[:1] or [
+            Found(self.points[key], Estimate(errors[key]), NO_ERROR, False, _UNREACHED)
+            for key in sorted(errors, key=lambda key: errors[key])[:1]
+        ]
+
+    def _finer(self, key: Key) -> set[Key]:
+        """A point and the next finer ones."""
+        method, time, mesh = key
+        finer_time = min(time + 1, len(self.space.time) - 1)
+        finer_mesh = min(mesh + 1, len(self.space.mesh) - 1)
+        return {key, (method, finer_time, mesh), (method, time, finer_mesh)}
+
+    def _race(self, method: int, mesh: int) -> tuple[float, int, int]:
+        """Predicted cost at half the target, the coarsest stable level, and the level that it leads to."""
+        levels = len(self.space.time)
+        if levels == 1:
+            point = self.at(method, 0, mesh)
+            return (point.cpu if point.stable else inf), 0, 0
+        for time in range(1, levels):
+            coarse, fine = self.at(method, time - 1, mesh), self.at(method, time, mesh)
+            if not (coarse.stable and fine.stable):
+                continue
+            if self.yardstick.known:
+                error = self.yardstick.error(fine.courses)
+            else:
+                order = self.space.time_order(fine.order)
+                distance = self.yardstick.distance(coarse.courses, fine.courses)
+                error = distance / (self.space.time.ratio**order - 1.0)
+            more = max(log(max(error, 1e-300) / (0.5 * self.target)), 0.0)
+            more /= log(self.space.time.ratio) * self.space.time_order(fine.order)
+            goal = min(max(time + ceil(more - 0.1), min(time + 1, levels - 1)), levels - 1)
+            return fine.cpu * self.space.time.ratio**more, time - 1, goal
+        return inf, 0, 0
+
+    def _refined(self, method: int, coarsest: int, time: int, coarse_mesh: int) -> Found:
+        """Refine step and mesh until both meet the target together."""
+        last_time, last_mesh = len(self.space.time) - 1, len(self.space.mesh) - 1
+        mesh = min(2, last_mesh)
+        while True:
+            steps = self.time_error(method, time, coarse_mesh)
+            shape = self._mesh_of(method, coarsest, mesh)
+            if self.yardstick.known:
+                # the error of a point is all there is: that of its neighbours says where it comes from
+                steps, shape = self.time_error(method, time, mesh), NO_ERROR
+            met = steps.error + shape.error <= self.target
+            finer_time = (steps.error > 0.5 * self.target or not steps.steady) and time < last_time
+            finer_mesh = (shape.error > 0.5 * self.target or not shape.steady) and mesh < last_mesh
+            if self.yardstick.known and not met:
+                finer_time, finer_mesh = time < last_time, mesh < last_mesh
+            if met and steps.steady and shape.steady:
+                point = self.at(method, time, mesh)
+                if point.stable:
+                    return Found(point, steps, shape, True)
+                finer_time, finer_mesh = time < last_time, False
+            if not (finer_time or finer_mesh):
+                return self._given_up(method, time, mesh, steps, shape)
+            time, mesh = time + finer_time, mesh + finer_mesh
+
+    def _mesh_of(self, method: int, coarsest: int, mesh: int) -> Estimate:
+        """Error of the mesh, with the steps of whichever alternative has it already."""
+        for other in range(len(self.space.methods)):
+            if all((other, coarsest, k) in self.points for k in range(max(mesh - 2, 0), mesh + 1)):
+                return self.mesh_error(other, coarsest, mesh)
+        return self.mesh_error(method, coarsest, mesh)
+
+    def _given_up(self, method: int, time: int, mesh: int, steps: Estimate, shape: Estimate) -> Found:
+        point = self.at(method, time, mesh)
+        if not point.stable:
+            reason = f"unstable at the finest step: {point.message}"
+        elif steps.error + shape.error <= self.target:
+            reason = "its levels do not converge steadily yet: add a level"
+        else:
+            larger = "steps" if steps.error > shape.error else "mesh"
+            reason = (
+                f"not reachable on these levels: error of the {larger} {max(steps.error, shape.error):.2g}"
+            )
+            reason += ", add a level"
+        return Found(point, steps, shape, False, reason)
+
+    def _stretched(self, found: Found) -> Found:
+        """The same with a longer step, where the target leaves room for one."""
+        time, left = found.time.error, self.target - found.mesh.error
+        if self.space.time.keys != ("numerics.dt",) or self.yardstick.known or time <= 0.0:
+            return found
+        order = self.space.time_order(found.point.order)
+        factor = min((left / time) ** (1.0 / order), self.space.time.ratio)
+        if factor < _WORTH:
+            return found
+        point = self._made(stretched(found.point.settings, factor / 1.05))
+        self.extra.append(point)
+        if not point.stable:
+            return found
+        error = time + self.yardstick.distance(point.courses, found.point.courses)
+        if error > left or point.cpu >= found.point.cpu:
+            return found
+        return Found(point, Estimate(error, found.time.order), found.mesh, True)
+
+    # -- what the runs tell ----------------------------------------------------------------------------------
+
+    def known_errors(self) -> dict[Key, float]:
+        """Errors of all runs that lie on lines of levels whose finest error is known."""
+        if self.yardstick.known:
+            return {key: self.yardstick.error(one.courses) for key, one in self.points.items() if one.stable}
+        steps: dict[tuple[int, int], float] = {}
+        shapes: dict[int, float] = {}
+        for method, mesh in sorted({(m, h) for m, _, h in self.points}):
+            line = self._line((method, None, mesh))
+            order = self.space.time_order(line[-1][1].order) if line else 1.0
+            for key, error in self._line_errors(line, self.space.time.ratio, order, len(self.space.time)):
+                steps.setdefault((method, key[1]), error)
+        for method, time in sorted({(m, t) for m, t, _ in self.points}):
+            line = self._line((method, time, None))
+            ratio, order = self.space.mesh.ratio, self.space.mesh_order
+            for key, error in self._line_errors(line, ratio, order, len(self.space.mesh)):
+                shapes[key[2]] = max(shapes.get(key[2], 0.0), error)
+        return {
+            key: steps[key[:2]] + shapes[key[2]]
+            for key, one in self.points.items()
+            if one.stable and key[:2] in steps and key[2] in shapes
+        }
+
+    def _line(self, at: tuple[int, int | None, int | None]) -> list[tuple[Key, Point]]:
+        """Stable runs of an alternative on a line, the coarsest first: None is the level that varies."""
+        found = [
+            (key, one)
+            for key, one in self.points.items()
+            if one.stable and all(want in (None, has) for want, has in zip(at, key, strict=True))
+        ]
+        return sorted(found, key=lambda pair: pair[0])
+
+    def _line_errors(
+        self, line: list[tuple[Key, Point]], ratio: float, order: float, levels: int
+    ) -> Iterator[tuple[Key, float]]:
+        """Errors along a line: the distance to its finest run, and the error of that."""
+        if not line or (len(line) == 1 and levels > 1):
+            return
+        finest = line[-1][1]
+        top = self._along([one for _, one in line[-3:]], ratio, order).error
+        for key, one in line:
+            yield key, self.yardstick.distance(one.courses, finest.courses) + top
