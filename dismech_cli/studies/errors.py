@@ -19,7 +19,7 @@ from ..scenario.language.study import Measured
 
 # Safety with and without an observed order, the least order that is believed, and the share of the
 # nominal one from which on three levels are said to converge.
-_SAFE, _UNSURE, _LEAST, _STEADY = 1.25, 2.0, 0.5, 0.5
+_SAFE, _UNSURE, _LEAST, _STEADY = 1.5, 2.0, 0.5, 0.5
 # Times at which courses are compared.
 _TIMES: Final = 400
 

@@ -11,7 +11,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise, product
 from math import ceil, inf, log
 from typing import Final
@@ -203,20 +203,64 @@ class Search:
             if self.yardstick.known and not met:
                 finer_time, finer_mesh = time < last_time, mesh < last_mesh
             if met and steps.steady and shape.steady:
-                point = self.at(method, time, mesh)
-                if point.stable:
-                    return Found(point, steps, shape, True)
+                if (
+                    found := self._coarsened(method, coarsest, coarse_mesh, time, mesh, steps, shape)
+                ) is not None:
+                    return found
                 finer_time, finer_mesh = time < last_time, False
             if not (finer_time or finer_mesh):
                 return self._given_up(method, time, mesh, steps, shape)
             time, mesh = time + finer_time, mesh + finer_mesh
 
+    def _coarsened(
+        self,
+        method: int,
+        coarsest: int,
+        coarse_mesh: int,
+        time: int,
+        mesh: int,
+        steps: Estimate,
+        shape: Estimate,
+    ) -> Found | None:
+        """The cheapest of the levels up to those that meet the target: of coarser ones the errors are known now.
+
+        Returns:
+            None if even the finest is unstable together.
+        """
+        if self.yardstick.known:
+            point = self.at(method, time, mesh)
+            return Found(point, steps, shape, True) if point.stable else None
+        times = {
+            k: replace(
+                steps, error=steps.error + self._apart((method, k, coarse_mesh), (method, time, coarse_mesh))
+            )
+            for k in range(max(time - 2, 0), time + 1)
+            if self.at(method, k, coarse_mesh).stable
+        }
+        base = self._with_mesh(coarsest, mesh, method)
+        meshes = {
+            k: replace(shape, error=shape.error + self._apart((base, coarsest, k), (base, coarsest, mesh)))
+            for k in range(max(mesh - 2, 0), mesh + 1)
+            if self.at(base, coarsest, k).stable
+        }
+        enough = [(t, h) for t in times for h in meshes if times[t].error + meshes[h].error <= self.target]
+        enough.sort(key=lambda key: self.space.time.ratio ** key[0] * self.space.mesh.ratio ** key[1])
+        for t, h in (*enough, (time, mesh)):
+            point = self.at(method, t, h)
+            if point.stable:
+                return Found(point, times[t], meshes[h], True)
+        return None
+
     def _mesh_of(self, method: int, coarsest: int, mesh: int) -> Estimate:
         """Error of the mesh, with the steps of whichever alternative has it already."""
+        return self.mesh_error(self._with_mesh(coarsest, mesh, method), coarsest, mesh)
+
+    def _with_mesh(self, coarsest: int, mesh: int, method: int) -> int:
+        """An alternative that has run a mesh and two coarser ones; ``method`` if none has."""
         for other in range(len(self.space.methods)):
             if all((other, coarsest, k) in self.points for k in range(max(mesh - 2, 0), mesh + 1)):
-                return self.mesh_error(other, coarsest, mesh)
-        return self.mesh_error(method, coarsest, mesh)
+                return other
+        return method
 
     def _given_up(self, method: int, time: int, mesh: int, steps: Estimate, shape: Estimate) -> Found:
         point = self.at(method, time, mesh)
@@ -293,3 +337,6 @@ class Search:
         top = self._along([one for _, one in line[-3:]], ratio, order).error
         for key, one in line:
             yield key, self.yardstick.distance(one.courses, finest.courses) + top
+
+    def _apart(self, one: Key, other: Key) -> float:
+        return self.yardstick.distance(self.points[one].courses, self.points[other].courses)

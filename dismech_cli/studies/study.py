@@ -73,8 +73,8 @@ def study(request: Request, narrator: Narrator) -> Studied:
         isinstance(one, Clamp) and one.at == "edge" for one in loaded.scenario.motions
     ):
         narrator.warn(
-            "a clamp 'at: edge' sits in the middle of an edge, which moves with the mesh: its error is of first "
-            "order; take 'at: node' to study the mesh"
+            "a clamp 'at: edge' sits in the middle of an edge, which moves with the mesh: its error is of "
+            "first order; take 'at: node' to study the mesh"
         )
     yardstick = Yardstick(quantities, loaded.scenario.numerics.t_end or 1.0)
     with stop_on_signals() as stop:
