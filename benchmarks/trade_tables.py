@@ -110,7 +110,7 @@ def make(name: str) -> None:
             {
                 "settings": dict(point.settings),
                 "status": point.status,
-                "cpu": round(point.cpu, 5) if point.stable else None,
+                "cpu": round(point.cpu, 5),
                 "steps": point.steps,
                 "iterations": point.iterations,
                 "cuts": point.cuts,

@@ -14,6 +14,7 @@ from typing import Final
 import numpy as np
 
 from ..arrays import FloatArray
+from ..errors import ScenarioError
 from ..run.observables.reduce import period, time_mean
 from ..scenario.language.study import Measured
 
@@ -91,14 +92,16 @@ class Yardstick:
         """Whether all quantities have right values."""
         return all(one.value is not None for one in self._quantities.values())
 
-    def start(self, courses: Courses) -> list[str]:
+    def start(self, courses: Courses) -> None:
         """Take the ranges of a run.
 
-        Returns:
-            The quantities that do not change, of which no error is a share.
+        Raises:
+            ScenarioError: A quantity does not change: no error is a share of that.
         """
         self._ranges = {name: float(np.ptp(courses[name][1])) for name in self._quantities}
-        return [name for name, extent in self._ranges.items() if not extent > 0.0]
+        still = [name for name, extent in self._ranges.items() if not extent > 0.0]
+        if still:
+            raise ScenarioError(f"study: {', '.join(still)} does not change in the run: name others")
 
     def distance(self, one: Courses, other: Courses) -> float:
         """The largest difference of any quantity, as a share."""

@@ -11,13 +11,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from itertools import pairwise, product
 from math import ceil, inf, log
 from typing import Final
 
 from .errors import NO_ERROR, Estimate, Yardstick, estimate
 from .measure import Point
+from .refine import Found, Key, Refinement
 from .space import Setting, Space, stretched
 
 # Alternatives go on up to this much dearer than the best of the race.
@@ -26,35 +27,8 @@ _UNREACHED: Final = "no setting meets the target together with its finer neighbo
 # A stretch of the last step below this is not tried.
 _WORTH: Final = 1.15
 
-Key = tuple[int, int, int]
-"""Alternative, level of time, level of mesh."""
-
 Run = Callable[[tuple[Setting, ...], float], Point]
 """Makes a run, at a price per step and degree of freedom [s] that others had; infinite if none is known."""
-
-
-@dataclass(frozen=True, slots=True)
-class Found:
-    """A setting that meets the target, or the last that was tried.
-
-    Attributes:
-        point: Its run.
-        time: Error of its steps.
-        mesh: Error of its mesh.
-        meets: Whether their sum meets the target.
-        reason: Why not.
-    """
-
-    point: Point
-    time: Estimate
-    mesh: Estimate
-    meets: bool
-    reason: str = ""
-
-    @property
-    def error(self) -> float:
-        """Sum of both."""
-        return self.time.error + self.mesh.error
 
 
 @dataclass
@@ -67,7 +41,7 @@ class Search:
         yardstick: Compares them.
         target: Largest error allowed.
         points: Runs by alternative and levels of time and mesh.
-        still: Quantities that did not change in the first run.
+        extra: Further runs, between levels.
     """
 
     space: Space
@@ -76,7 +50,6 @@ class Search:
     target: float
     points: dict[Key, Point] = field(default_factory=dict)
     extra: list[Point] = field(default_factory=list)
-    still: list[str] = field(default_factory=list)
     _price: float = inf
 
     def at(self, method: int, time: int, mesh: int) -> Point:
@@ -86,7 +59,7 @@ class Search:
             first = not any(one.stable for one in self.points.values())
             point = self.points[key] = self._made(self.space.settings(*key))
             if first and point.stable:
-                self.still = self.yardstick.start(point.courses)
+                self.yardstick.start(point.courses)
         return self.points[key]
 
     def _made(self, settings: tuple[Setting, ...]) -> Point:
@@ -134,7 +107,7 @@ class Search:
         if best == inf:
             return []
         kept = [(method, race) for method, race in enumerate(races) if race[0] <= _CLOSE * best]
-        found = [self._refined(method, race[1], race[2], mesh) for method, race in kept]
+        found = [Refinement(self, method, race[1], mesh).found(race[2]) for method, race in kept]
         found.sort(key=lambda one: (not one.meets, one.point.cpu if one.meets else one.error))
         if found[0].meets:
             found[0] = self._stretched(found[0])
@@ -186,95 +159,6 @@ class Search:
             goal = min(max(time + ceil(more - 0.1), min(time + 1, levels - 1)), levels - 1)
             return fine.cpu * self.space.time.ratio**more, time - 1, goal
         return inf, 0, 0
-
-    def _refined(self, method: int, coarsest: int, time: int, coarse_mesh: int) -> Found:
-        """Refine step and mesh until both meet the target together."""
-        last_time, last_mesh = len(self.space.time) - 1, len(self.space.mesh) - 1
-        mesh = min(2, last_mesh)
-        while True:
-            steps = self.time_error(method, time, coarse_mesh)
-            shape = self._mesh_of(method, coarsest, mesh)
-            if self.yardstick.known:
-                # the error of a point is all there is: that of its neighbours says where it comes from
-                steps, shape = self.time_error(method, time, mesh), NO_ERROR
-            met = steps.error + shape.error <= self.target
-            finer_time = (steps.error > 0.5 * self.target or not steps.steady) and time < last_time
-            finer_mesh = (shape.error > 0.5 * self.target or not shape.steady) and mesh < last_mesh
-            if self.yardstick.known and not met:
-                finer_time, finer_mesh = time < last_time, mesh < last_mesh
-            if met and steps.steady and shape.steady:
-                if (
-                    found := self._coarsened(method, coarsest, coarse_mesh, time, mesh, steps, shape)
-                ) is not None:
-                    return found
-                finer_time, finer_mesh = time < last_time, False
-            if not (finer_time or finer_mesh):
-                return self._given_up(method, time, mesh, steps, shape)
-            time, mesh = time + finer_time, mesh + finer_mesh
-
-    def _coarsened(
-        self,
-        method: int,
-        coarsest: int,
-        coarse_mesh: int,
-        time: int,
-        mesh: int,
-        steps: Estimate,
-        shape: Estimate,
-    ) -> Found | None:
-        """The cheapest of the levels up to those that meet the target: of coarser ones the errors are known now.
-
-        Returns:
-            None if even the finest is unstable together.
-        """
-        if self.yardstick.known:
-            point = self.at(method, time, mesh)
-            return Found(point, steps, shape, True) if point.stable else None
-        times = {
-            k: replace(
-                steps, error=steps.error + self._apart((method, k, coarse_mesh), (method, time, coarse_mesh))
-            )
-            for k in range(max(time - 2, 0), time + 1)
-            if self.at(method, k, coarse_mesh).stable
-        }
-        base = self._with_mesh(coarsest, mesh, method)
-        meshes = {
-            k: replace(shape, error=shape.error + self._apart((base, coarsest, k), (base, coarsest, mesh)))
-            for k in range(max(mesh - 2, 0), mesh + 1)
-            if self.at(base, coarsest, k).stable
-        }
-        enough = [(t, h) for t in times for h in meshes if times[t].error + meshes[h].error <= self.target]
-        enough.sort(key=lambda key: self.space.time.ratio ** key[0] * self.space.mesh.ratio ** key[1])
-        for t, h in (*enough, (time, mesh)):
-            point = self.at(method, t, h)
-            if point.stable:
-                return Found(point, times[t], meshes[h], True)
-        return None
-
-    def _mesh_of(self, method: int, coarsest: int, mesh: int) -> Estimate:
-        """Error of the mesh, with the steps of whichever alternative has it already."""
-        return self.mesh_error(self._with_mesh(coarsest, mesh, method), coarsest, mesh)
-
-    def _with_mesh(self, coarsest: int, mesh: int, method: int) -> int:
-        """An alternative that has run a mesh and two coarser ones; ``method`` if none has."""
-        for other in range(len(self.space.methods)):
-            if all((other, coarsest, k) in self.points for k in range(max(mesh - 2, 0), mesh + 1)):
-                return other
-        return method
-
-    def _given_up(self, method: int, time: int, mesh: int, steps: Estimate, shape: Estimate) -> Found:
-        point = self.at(method, time, mesh)
-        if not point.stable:
-            reason = f"unstable at the finest step: {point.message}"
-        elif steps.error + shape.error <= self.target:
-            reason = "its levels do not converge steadily yet: add a level"
-        else:
-            larger = "steps" if steps.error > shape.error else "mesh"
-            reason = (
-                f"not reachable on these levels: error of the {larger} {max(steps.error, shape.error):.2g}"
-            )
-            reason += ", add a level"
-        return Found(point, steps, shape, False, reason)
 
     def _stretched(self, found: Found) -> Found:
         """The same with a longer step, where the target leaves room for one."""
@@ -338,5 +222,6 @@ class Search:
         for key, one in line:
             yield key, self.yardstick.distance(one.courses, finest.courses) + top
 
-    def _apart(self, one: Key, other: Key) -> float:
+    def apart(self, one: Key, other: Key) -> float:
+        """Distance of two runs that were made."""
         return self.yardstick.distance(self.points[one].courses, self.points[other].courses)

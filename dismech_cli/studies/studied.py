@@ -9,7 +9,7 @@ from typing import Final
 
 from ..scenario.language.study import Measured
 from .measure import Point
-from .search import Found
+from .refine import Found
 from .space import Setting
 
 

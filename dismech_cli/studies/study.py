@@ -87,8 +87,6 @@ def study(request: Request, narrator: Narrator) -> Studied:
 
         search = Search(space, told, yardstick, target)
         found = search.find_among_all() if request.every else search.find()
-    if search.still:
-        raise ScenarioError(f"study: {', '.join(search.still)} does not change in the run: name others")
     studied = Studied(
         name=loaded.scenario.name,
         folder=request.folder or RESULTS / "studies" / loaded.scenario.name,

