@@ -133,6 +133,7 @@ def new_figure(across: int = 1, down: int = 1) -> tuple[Figure, list[Axes]]:
         panel.tick_params(colors=INK, labelsize=8, length=3, color="#b9c4ce")
         panel.grid(color="#e3e9ef", linewidth=0.8)
         panel.set_axisbelow(True)
+        panel.ticklabel_format(scilimits=(-3, 4), useMathText=True)
     return figure, panels
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Final
@@ -51,7 +52,9 @@ def sweep_page(name: str, asked: int, results: Sequence[Result], table: Sequence
 def _responses(table: Sequence[Column], count: int) -> Iterator[str]:
     """Panels, a row for each response; a figure for each so that pages break between them."""
     varied = [one for one in table if one.role == "setting" and one.numbers is not None and _differs(one)]
-    responses = [one for one in table if one.role == "response" and one.numbers is not None]
+    # an expectation often measures what a probe does
+    told = {one.values: one for one in reversed(table) if one.role == "response" and one.numbers is not None}
+    responses = list(reversed(told.values()))
     if not varied or not responses:
         yield page.paragraph("Nothing to draw: no number is varied, or the scenario has no probes.")
         return
@@ -71,7 +74,12 @@ def _draw(panel: Axes, x: Column, y: Column, others: Sequence[Column]) -> None:
     """A response over a number: a line for each combination of the others if these are few, else dots."""
     across, up = np.array(x.numbers), np.array(y.numbers)
     kinds = list(zip(*(one.values for one in others), strict=True)) or [()] * len(across)
-    distinct = list(dict.fromkeys(kinds))
+    distinct = sorted(set(kinds), key=lambda kind: [(isinstance(one, str), one) for one in kind])
+    if _is_log(np.abs(up)) and (np.nanmin(up) > 0.0 or np.nanmax(up) < 0.0):
+        up, title = np.abs(up), f"|{y.name}|" + y.title.removeprefix(y.name)
+        panel.set_yscale("log")
+    else:
+        title = y.title
     if len(distinct) <= _LINES:
         for kind, color in zip(distinct, page.COLORS, strict=False):
             mine = np.array([one == kind for one in kinds])
@@ -87,14 +95,14 @@ def _draw(panel: Axes, x: Column, y: Column, others: Sequence[Column]) -> None:
                 linewidth=1.3,
             )
         if len(distinct) > 1:
-            title = ", ".join(one.name.rpartition(".")[2] for one in others)
-            panel.legend(title=title, fontsize=7, title_fontsize=7, frameon=False)
+            names = ", ".join(one.name.rpartition(".")[2] for one in others)
+            panel.legend(title=names, fontsize=7, title_fontsize=7, frameon=False)
     else:
         panel.plot(across, up, "o", color=page.COLORS[0], alpha=0.6, markersize=3.0)
     if _is_log(across):
         panel.set_xscale("log")
     panel.set_xlabel(x.title, fontsize=9, color=page.INK)
-    panel.set_title(y.title, loc="left", fontsize=10, color=page.INK)
+    panel.set_title(title, loc="left", fontsize=10, color=page.INK)
 
 
 def _is_log(values: np.ndarray) -> bool:
@@ -108,7 +116,7 @@ def _differs(column: Column) -> bool:
 
 
 def _short(value: object) -> str:
-    return f"{value:.4g}" if isinstance(value, float) else str(value)[:40]
+    return f"{value:.4g}" if isinstance(value, float) else re.sub(r'[{}"]|type: ', "", str(value))[:40]
 
 
 def _faults(results: Sequence[Result]) -> Iterator[str]:
