@@ -152,6 +152,7 @@ def _result(task: Task, work: Work) -> Result | None:
         probes={} if manifest is None else manifest.probes,
         units=task.units,
         energy_error=None if manifest is None else manifest.energy_error,
+        penetration=None if manifest is None else manifest.penetration.get("share"),
         counters={} if manifest is None else manifest.counters,
         cpu=time.process_time() - cpu,
         wall=wall,

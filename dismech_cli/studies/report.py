@@ -210,8 +210,12 @@ def _convergence(told: _Told) -> Iterator[str]:
 
 def _contact(told: _Told) -> Iterator[str]:
     names = [name for name in _CONTACT if name in told.scalars]
-    if names:
+    deepest = told.manifest.penetration
+    if names or deepest:
         yield page.heading("Contact")
+    if deepest:
+        yield page.table(("deepest penetration", ""), deepest.items())
+    if names:
         yield _over_time(told, names, {name: f"{name} [J]" for name in names})
 
 

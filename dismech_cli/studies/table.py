@@ -83,6 +83,8 @@ def columns(results: Sequence[Result]) -> list[Column]:
         made.append(Column(f"expect.{name}", unit, tuple(e.get("measured") for e in found), "response"))
         made.append(fact(f"expect.{name}.kept", (e.get("passed") for e in found)))
     made.append(fact("energy_error", (one.energy_error for one in results), "J"))
+    if any(one.penetration is not None for one in results):
+        made.append(Column("penetration", "1", tuple(one.penetration for one in results), "response"))
     made += [fact(name, (one.counters.get(name) for one in results)) for name in _COUNTERS]
     made += [fact("cpu", (one.cpu for one in results), "s"), fact("wall", (one.wall for one in results), "s")]
     return made

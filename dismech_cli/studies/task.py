@@ -99,6 +99,7 @@ class Result:
         probes: Each of ``output.probes`` in the last frame.
         units: Their units.
         energy_error: Of the last frame [J].
+        penetration: The deepest, as a share of the thickness; None where nothing touched.
         counters: Steps, iterations and more.
         cpu: CPU time [s].
         wall: Wall time [s].
@@ -114,6 +115,7 @@ class Result:
     probes: Mapping[str, Json]
     units: Mapping[str, str]
     energy_error: Json = None
+    penetration: Json = None
     counters: Mapping[str, int]
     cpu: float
     wall: float
