@@ -100,7 +100,7 @@ def _result(task: Task, work: Work) -> Result | None:
     """Run a point into its hidden folder; None if a signal stopped it.
 
     Raises:
-        OutputError: A result cannot be written.
+        OutputError: The folder cannot be written to.
     """
     tick, cpu = time.perf_counter(), time.process_time()
     run_dir = work.hidden / "run" if task.light else work.folder
@@ -129,9 +129,7 @@ def _result(task: Task, work: Work) -> Result | None:
         )
         manifest = finished.record.manifest
         code, message = int(finished.record.ending.code), manifest.message
-    except OutputError:
-        raise
-    except Exception as error:
+    except Exception as error:  # of this point; what keeps its result from being written shows below
         code, message = code_of(error), str(error) or repr(error)
         if code == Exit.BUG:
             message = f"{error!r}\n{traceback.format_exc()}"
@@ -147,7 +145,7 @@ def _result(task: Task, work: Work) -> Result | None:
         settings=task.settings,
         status=status,
         exit_code=int(Exit.SOLVER) if late else code,
-        message=message,
+        message=message.replace(str(work.folder), str(task.points / task.id)),
         expectations=() if manifest is None else manifest.expectations,
         probes={} if manifest is None else manifest.probes,
         units=task.units,

@@ -184,6 +184,15 @@ def test_a_missed_expectation_is_a_failure_of_its_case(swept, arm):
     assert {row["expect.tip.kept"] for row in rows_of(arm / "out")} == {"no"}
 
 
+def test_frames_that_do_not_fit_are_the_failure_of_their_point(nursery, arm):
+    two = ("--over", "numerics.t_end=0.02 s,20 s", "--set", "expect={}", "-j", 1)
+    done = nursery.start(arm, "sweep", "arm.yaml", "-o", "out", *two, file_limit=2_000_000).wait()
+    assert done.code == 5, done.stderr
+    assert [row["status"] for row in rows_of(arm / "out")] == ["done", "failed"]
+    assert "the file size limit is reached" in done.stdout
+    assert not left_over(arm / "out")
+
+
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
 def test_a_signal_stops_the_sweep_and_its_children(nursery, arm, number, code):
     process = slow_sweep(nursery, arm, FOUR)

@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from ...session.threads import use_threads
-from .. import options
+from .. import completion, options
 
 SUMMARY = "Run a scenario with many values; table, report and plots go to results/sweeps/<name>/."
 EXAMPLES = """
@@ -37,7 +37,10 @@ def sweep(
     over: Annotated[
         list[str] | None,
         typer.Option(
-            "--over", metavar="KEY=V1,V2", help="Vary a value; also KEY=FROM:TO:COUNT[:log]; repeatable."
+            "--over",
+            metavar="KEY=V1,V2",
+            help="Vary a value; also KEY=FROM:TO:COUNT[:log]; repeatable.",
+            autocompletion=completion.set_keys,
         ),
     ] = None,
     zipped: Annotated[
