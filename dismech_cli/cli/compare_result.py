@@ -5,7 +5,8 @@ from __future__ import annotations
 from ..output.jsonable import dumps
 from ..quantities import with_unit
 from ..session.faults import fault
-from ..studies.compare import Compared, Difference
+from ..studies.compare import Compared
+from ..studies.differences import Difference
 from .console import Console, emit
 from .tables import table
 
@@ -28,9 +29,9 @@ def show(compared: Compared, json: bool, quiet: bool) -> int:
     if not quiet:
         head = ("quantity", "greatest", "of its size", "rms", "allowed", "", "t", "where")
         emit(table(head, [_row(one) for one in compared.differences]))
-    names = ", ".join(one.name for one in over)
+    names = ", ".join(one.found.name for one in over)
     emit(
-        f"{compared.frames} times: "
+        f"{compared.times} times: "
         + (f"{len(over)} quantities differ too much: {names}" if over else "within tolerance")
     )
     return compared.code
@@ -38,14 +39,14 @@ def show(compared: Compared, json: bool, quiet: bool) -> int:
 
 def _row(one: Difference) -> tuple[str, ...]:
     return (
-        one.name,
-        with_unit(f"{one.greatest:.4g}", one.unit),
+        one.found.name,
+        with_unit(f"{one.found.greatest:.4g}", one.found.unit),
         f"{one.relative:.3g}",
-        with_unit(f"{one.rms:.4g}", one.unit),
-        one.tolerance.told(one.unit),
+        with_unit(f"{one.found.rms:.4g}", one.found.unit),
+        one.tolerance.told(one.found.unit),
         "" if one.within else "OVER",
-        f"{one.t:.6g} s",
-        one.place,
+        f"{one.found.t:.6g} s",
+        one.found.place,
     )
 
 
@@ -53,20 +54,20 @@ def _as_json(compared: Compared) -> dict[str, object]:
     return {
         "runs": [str(run) for run in compared.runs],
         "exit_code": int(compared.code),
-        "times": compared.frames,
+        "times": compared.times,
         "differences": [
             {
-                "name": one.name,
-                "unit": one.unit,
-                "greatest": one.greatest,
-                "rms": one.rms,
-                "scale": one.scale,
+                "name": one.found.name,
+                "unit": one.found.unit,
+                "greatest": one.found.greatest,
+                "rms": one.found.rms,
+                "scale": one.found.scale,
                 "relative": one.relative,
                 "tolerance": one.tolerance.size,
                 "tolerance_kind": one.tolerance.kind,
                 "within": one.within,
-                "t": one.t,
-                "place": one.place,
+                "t": one.found.t,
+                "place": one.found.place,
             }
             for one in compared.differences
         ],
@@ -74,7 +75,8 @@ def _as_json(compared: Compared) -> dict[str, object]:
         "errors": [fault(told) for told in compared.faults]
         + [
             fault(
-                f"{one.name} differs by {one.greatest:.6g} {one.unit}, allowed {one.tolerance.told(one.unit)}"
+                f"{one.found.name} differs by {with_unit(f'{one.found.greatest:.6g}', one.found.unit)}, "
+                f"allowed {one.tolerance.told(one.found.unit)}"
             )
             for one in compared.differences
             if not one.within

@@ -1,9 +1,10 @@
-"""Two runs side by side: how far quantities of one are from those of the other, where and when it is most."""
+"""Two runs side by side, at the times that both have: positions, fields, states, scalars."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Final
 
@@ -11,55 +12,17 @@ import numpy as np
 
 from ..arrays import FloatArray, IntArray
 from ..errors import ScenarioError
-from ..output.frame import FieldSpec, Topology
-from ..output.frame_array import FrameArray
+from ..output.frame import FieldSpec
 from ..output.read import Run, read
 from ..output.run_directory import RUN_FILE
 from ..session.exit_codes import Exit
-from .tolerances import Tolerance, tolerances
+from .differences import Difference, Measured, Quantity, of_column, of_frames, place_of, size
+from .tolerances import tolerances
 
-POSITIONS: Final = "positions"
-
+_POSITIONS: Final = FieldSpec(name="positions", unit="m", long_name="", location="node", components=3)
 # How the equations were stepped, not what came of it.
 _STEPPING: Final = frozenset({"t", "dt", "newton_iterations", "residual", "wall"})
 _SAME_TIME: Final = 1e-9  # of the duration
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Difference:
-    """One quantity of two runs.
-
-    Attributes:
-        name: Its name.
-        unit: SI unit.
-        greatest: Greatest difference over all frames and places; of vectors, its length.
-        rms: Root of the mean square over the same.
-        scale: What relative tolerances refer to: the size of the quantity in the first run.
-        t: When it is greatest [s].
-        place: Where, in words; empty for a scalar.
-        tolerance: Greatest difference allowed.
-    """
-
-    name: str
-    unit: str
-    greatest: float
-    rms: float
-    scale: float
-    t: float
-    place: str
-    tolerance: Tolerance
-
-    @property
-    def relative(self) -> float:
-        """Greatest difference over the scale."""
-        if self.scale > 0.0:
-            return self.greatest / self.scale
-        return 0.0 if self.greatest == 0.0 else float("inf")
-
-    @property
-    def within(self) -> bool:
-        """Whether the tolerance allows it."""
-        return self.tolerance.allows(self.greatest, self.scale)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -68,14 +31,14 @@ class Compared:
 
     Attributes:
         runs: Both.
-        frames: How many times both have.
+        times: How many times both have.
         differences: Of each quantity that both have.
         notes: What could not be compared.
         faults: What makes them different whatever the numbers say.
     """
 
     runs: tuple[Path, Path]
-    frames: int
+    times: int
     differences: tuple[Difference, ...]
     notes: tuple[str, ...]
     faults: tuple[str, ...]
@@ -87,60 +50,39 @@ class Compared:
         return Exit.DONE if same else Exit.EXPECTATION
 
 
-def compare(first: Path, second: Path, tolerance_texts: Sequence[str]) -> Compared:
-    """Compare two runs at the times of frames that both have.
+def compare(first: Path, second: Path, allowed: Sequence[str]) -> Compared:
+    """Compare two runs.
+
+    Args:
+        first: A run directory; the times and sizes are those of this one.
+        second: Another.
+        allowed: Tolerances as on the command line.
 
     Raises:
         ScenarioError: They are of different meshes, share no time, or a tolerance makes no sense.
         OutputError: One cannot be read.
     """
     with read(first) as a, read(second) as b:
-        framed = all((run.path / RUN_FILE).is_file() for run in (a, b))
         notes: list[str] = []
-        measured: list[_Measured] = []
-        count = 0
-        if framed:
+        measured: list[Measured] = []
+        if all((run.path / RUN_FILE).is_file() for run in (a, b)):
             _refuse_other_mesh(a, b)
             pairs = _shared(a.t, b.t)
-            count = len(pairs)
-            notes += _unshared("frames", a.t, b.t, count)
+            notes += _unshared("frames", a.t, b.t, pairs)
             measured += _fields(a, b, pairs, notes)
+            measured += _states(a, b, pairs, notes)
         else:
+            pairs = _shared(a.scalars["t"], b.scalars["t"])
             notes.append(f"one of the runs has no {RUN_FILE}: scalars alone are compared")
-        count, scalars = _scalars(a, b, count, notes)
-        measured += scalars
-        chosen = tolerances(tolerance_texts, {one.name: one.unit for one in measured})
+            notes += _unshared("rows", a.scalars["t"], b.scalars["t"], pairs)
+        measured += _scalars(a, b, notes)
+        chosen = tolerances(allowed, {one.name: one.unit for one in measured})
         return Compared(
             runs=(first, second),
-            frames=count,
-            differences=tuple(one.judged(chosen[one.name]) for one in measured),
+            times=len(pairs),
+            differences=tuple(Difference(one, chosen[one.name]) for one in measured),
             notes=tuple(notes),
-            faults=tuple(_faults(a, b)),
-        )
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Measured:
-    """A difference before it is judged."""
-
-    name: str
-    unit: str
-    greatest: float
-    rms: float
-    scale: float
-    t: float
-    place: str = ""
-
-    def judged(self, tolerance: Tolerance) -> Difference:
-        return Difference(
-            name=self.name,
-            unit=self.unit,
-            greatest=self.greatest,
-            rms=self.rms,
-            scale=self.scale,
-            t=self.t,
-            place=self.place,
-            tolerance=tolerance,
+            faults=(*_ends(a, b), *_units(a, b)),
         )
 
 
@@ -176,12 +118,12 @@ def _shared(mine: FloatArray, theirs: FloatArray) -> IntArray:
     return np.stack([np.flatnonzero(matched), right[matched]], axis=1)
 
 
-def _unshared(what: str, mine: FloatArray, theirs: FloatArray, shared: int) -> Iterator[str]:
-    if shared < max(len(mine), len(theirs)):
-        yield f"{shared} times are shared by {len(mine)} and {len(theirs)} {what}; the others are left out"
+def _unshared(what: str, mine: FloatArray, theirs: FloatArray, pairs: IntArray) -> Iterator[str]:
+    if len(pairs) < max(len(mine), len(theirs)):
+        yield f"{len(pairs)} times are shared by {len(mine)} and {len(theirs)} {what}; others are left out"
 
 
-def _faults(a: Run, b: Run) -> Iterator[str]:
+def _ends(a: Run, b: Run) -> Iterator[str]:
     """One ended otherwise or elsewhere than the other."""
     one, two = a.manifest, b.manifest
     if one.status != two.status:
@@ -191,19 +133,38 @@ def _faults(a: Run, b: Run) -> Iterator[str]:
         yield f"{a.path} ends at t = {ends[0]:.6g} s, {b.path} at t = {ends[1]:.6g} s"
 
 
-def _fields(a: Run, b: Run, pairs: IntArray, notes: list[str]) -> Iterator[_Measured]:
+def _units(a: Run, b: Run) -> Iterator[str]:
+    """A probe of one name measures different things."""
+    mine, theirs = a.scalar_units, b.scalar_units
+    for name in mine.keys() & theirs.keys():
+        if mine[name] != theirs[name]:
+            yield f"{name} is in {mine[name]} in {a.path} and in {theirs[name]} in {b.path}"
+
+
+def _fields(a: Run, b: Run, pairs: IntArray, notes: list[str]) -> Iterator[Measured]:
     topology = a.topology
-    rest = topology.rest_positions
-    size = float(np.linalg.norm(np.ptp(rest, axis=0)))
-    positions = FieldSpec(name=POSITIONS, unit="m", long_name="", location="node", components=3)
-    yield _largest(topology, positions, a.positions, b.positions, a.t, pairs, size)
+    diagonal = float(np.linalg.norm(np.ptp(topology.rest_positions, axis=0)))
+    at = partial(place_of, topology, _POSITIONS)
+    positions = Quantity(name=_POSITIONS.name, unit=_POSITIONS.unit, place=at, scale=diagonal)
+    yield of_frames(positions, a.positions, b.positions, a.t, pairs)
     mine, theirs = ({spec.name: spec for spec in run.topology.fields} for run in (a, b))
-    yield from (
-        _largest(topology, mine[name], a.field(name), b.field(name), a.t, pairs, None)
-        for name in mine
-        if name in theirs
-    )
+    for name in mine:
+        if name in theirs:
+            field = Quantity(name=name, unit=mine[name].unit, place=partial(place_of, topology, mine[name]))
+            yield of_frames(field, a.field(name), b.field(name), a.t, pairs)
     notes += _alone("field", mine, theirs, a, b)
+
+
+def _states(a: Run, b: Run, pairs: IntArray, notes: list[str]) -> Iterator[Measured]:
+    """Degrees of freedom: how rods are twisted shows in no position."""
+    mine, theirs = a.topology.state, b.topology.state
+    for name, (shape, unit) in mine.items():
+        if name in theirs and theirs[name][0] == shape:
+            state = Quantity(name=name, unit=unit, place=lambda entry: f"degree of freedom {entry}")
+            yield of_frames(state, a.state(name), b.state(name), a.t, pairs)
+        elif name in theirs:
+            notes.append(f"state {name}: the runs have different degrees of freedom")
+    notes += _alone("state", mine, theirs, a, b)
 
 
 def _alone(
@@ -214,107 +175,19 @@ def _alone(
             yield f"{what} {name}: only {run.path} has it"
 
 
-def _largest(
-    topology: Topology,
-    spec: FieldSpec,
-    mine: FrameArray,
-    theirs: FrameArray,
-    times: FloatArray,
-    pairs: IntArray,
-    size: float | None,
-) -> _Measured:
-    """The greatest difference of a field, one frame after another."""
-    greatest, frame, entry, scale, squares, count = 0.0, int(pairs[0, 0]), 0, 0.0, 0.0, 0
-    for k, other in pairs:
-        one, two = mine[int(k)], theirs[int(other)]
-        apart = _apart(one, two)
-        if not len(apart):
-            continue
-        scale = max(scale, float(np.max(_length(np.nan_to_num(one, nan=0.0)))))
-        most = int(np.argmax(apart))
-        squares, count = squares + float(np.sum(apart**2)), count + len(apart)
-        if apart[most] > greatest:
-            greatest, frame, entry = float(apart[most]), int(k), most
-    return _Measured(
-        name=spec.name,
-        unit=spec.unit,
-        greatest=greatest,
-        rms=float(np.sqrt(squares / count)) if count else 0.0,
-        scale=scale if size is None else size,
-        t=float(times[frame]),
-        place=_place(topology, spec, entry) if greatest > 0.0 else "",
+def _scalars(a: Run, b: Run, notes: list[str]) -> Iterator[Measured]:
+    """Columns of the scalar tables at the times that both have."""
+    units = a.scalar_units
+    mine, theirs = (
+        {name: values for name, values in run.scalars.items() if name not in _STEPPING} for run in (a, b)
     )
-
-
-def _length(values: FloatArray) -> FloatArray:
-    """Size of each entry, shape (count,): of vectors their length."""
-    return np.abs(values) if values.ndim == 1 else np.asarray(np.linalg.norm(values, axis=-1))
-
-
-def _apart(one: FloatArray, two: FloatArray) -> FloatArray:
-    """Difference of each entry, shape (count,); infinite where one of two is no number."""
-    both = np.isnan(one) & np.isnan(two)
-    with np.errstate(invalid="ignore"):
-        apart = _length(np.where(both, 0.0, one - two))
-    return np.where(np.isnan(apart), np.inf, apart)
-
-
-def _place(topology: Topology, spec: FieldSpec, entry: int) -> str:
-    """Where an entry is: body, node or cell, and its rest position."""
-    rods = len(topology.edges)
-    if spec.location == "node":
-        cells = [
-            np.flatnonzero((table == entry).any(axis=1)) for table in (topology.edges, topology.triangles)
-        ]
-        bodies = [topology.edge_body[cells[0]], topology.triangle_body[cells[1]]]
-        names = [topology.bodies[int(body)] for body in np.unique(np.concatenate(bodies))]
-        what, at = f"node {entry}", topology.rest_positions[entry]
-    elif entry < rods:
-        names, what = [topology.bodies[int(topology.edge_body[entry])]], f"edge {entry}"
-        at = topology.rest_positions[topology.edges[entry]].mean(axis=0)
-    else:
-        names = [topology.bodies[int(topology.triangle_body[entry - rods])]]
-        what, at = (
-            f"triangle {entry - rods}",
-            topology.rest_positions[topology.triangles[entry - rods]].mean(axis=0),
-        )
-    where = ", ".join(f"{x:.4g}" for x in at)
-    return f"{'/'.join(names) or 'mesh'}, {what}, at rest ({where}) m"
-
-
-def _scalars(a: Run, b: Run, count: int, notes: list[str]) -> tuple[int, list[_Measured]]:
-    """Differences of the scalar tables at the times that both have, and how many these are."""
-    mine, theirs, units = a.scalars, b.scalars, a.scalar_units
-    pairs = _shared(mine["t"], theirs["t"])
-    if not count:
-        notes += _unshared("rows", mine["t"], theirs["t"], len(pairs))
-    energy = max(
-        (
-            float(np.nanmax(np.abs(values), initial=0.0))
-            for name, values in mine.items()
-            if units[name] == "J"
-        ),
-        default=0.0,
-    )
-    found = []
+    times = a.scalars["t"]
+    left, right = _shared(times, b.scalars["t"]).T
+    # an energy that should vanish is small or large beside the others
+    energy = max((size(values[left]) for name, values in mine.items() if units[name] == "J"), default=0.0)
     for name in mine:
-        if name in _STEPPING or name not in theirs:
-            continue
-        one, two = mine[name][pairs[:, 0]], theirs[name][pairs[:, 1]]
-        apart = _apart(one, two)
-        most = int(np.argmax(apart))
-        own = float(np.max(np.abs(np.nan_to_num(one, nan=0.0)), initial=0.0))
-        found.append(
-            _Measured(
-                name=name,
-                unit=units[name],
-                greatest=float(apart[most]),
-                rms=float(np.sqrt(np.mean(apart**2))),
-                # an energy that should vanish is small or large beside the others
-                scale=energy if units[name] == "J" else own,
-                t=float(mine["t"][pairs[most, 0]]),
-            )
-        )
-    known = [{name: 0 for name in table if name not in _STEPPING} for table in (mine, theirs)]
-    notes += _alone("scalar", known[0], known[1], a, b)
-    return count or len(pairs), found
+        if name in theirs:
+            one, two = mine[name][left], theirs[name][right]
+            scale = energy if units[name] == "J" else size(one)
+            yield of_column(name, units[name], one, two, times[left], scale)
+    notes += _alone("scalar", mine, theirs, a, b)

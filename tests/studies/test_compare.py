@@ -46,8 +46,8 @@ def test_a_moved_node_is_found_with_its_place_and_time(runs):
         points = file["VTKHDF/Points"]
         nodes = 11
         points[4 * nodes + 7] += np.array([3e-5, 0.0, 4e-5])
-    found = {one.name: one for one in compare(a, b, ()).differences}
-    moved = found.pop("positions")
+    found = {one.found.name: one for one in compare(a, b, ()).differences}
+    moved = found.pop("positions").found
     assert_allclose(moved.greatest, 5e-5, rtol=1e-3)  # stored in single precision or better
     assert_allclose(moved.rms, 5e-5 / np.sqrt(11 * nodes), rtol=1e-3)
     assert_allclose(moved.scale, 0.1)
@@ -66,20 +66,42 @@ def test_a_number_that_is_none_is_a_difference(runs):
         file["VTKHDF/Points"][40] = np.nan
     compared = compare(a, b, ("1e9",))
     (over,) = (one for one in compared.differences if not one.within)
-    assert over.name == "positions"
-    assert over.greatest == np.inf
+    assert over.found.name == "positions"
+    assert over.found.greatest == np.inf
     shutil.rmtree(a)
     shutil.copytree(b, a)
     assert compare(a, b, ()).code == 0
 
 
+def test_a_twist_that_no_position_shows_is_a_difference(call, runs, swing: Path):
+    rod = ("--set", "dimension=3", "--set", "geometry[0].bending=framed", *SHORT)
+    assert call("run", "swing.yaml", "-o", "c", *rod).code == 0
+    shutil.copytree(swing / "c", swing / "d")
+    with h5py.File(swing / "d" / "run.vtkhdf", "r+") as file:
+        file["dismech/state/q"][-1, -1] += 0.5
+        last = file["dismech/state/q"].shape[1] - 1
+    (over,) = (one for one in compare(swing / "c", swing / "d", ("1e-9",)).differences if not one.within)
+    assert (over.found.name, over.found.unit) == ("q", "m, rad")
+    assert_allclose(over.found.greatest, 0.5)
+    assert over.found.place == f"degree of freedom {last}"
+
+
+def test_a_probe_of_one_name_that_measures_something_else_is_told(runs):
+    a, b = runs
+    table = (b / "scalars.csv").read_text()
+    (b / "scalars.csv").write_text(table.replace("tip [m]", "tip [rad]"))
+    compared = compare(a, b, ("1",))
+    assert compared.code == 4
+    assert "tip is in m in" in compared.faults[0]
+
+
 def test_another_load_changes_what_it_should(call, runs, swing: Path):
     load = "forces[0].acceleration=[0, 0, -9.80]"
     assert call("run", "swing.yaml", "-o", "c", *SHORT, "--set", load).code == 0
-    found = {one.name: one for one in compare(runs[0], swing / "c", ("2e-3",)).differences}
+    found = {one.found.name: one for one in compare(runs[0], swing / "c", ("2e-3",)).differences}
     # free fall for a start: proportional to gravity
     assert_allclose(found["tip"].relative, 0.01 / 9.81, rtol=0.05)
-    assert found["tip"].place == ""
+    assert found["tip"].found.place == ""
     assert compare(runs[0], swing / "c", ("5e-4",)).code == 4
 
 
@@ -110,7 +132,7 @@ def test_without_frames_scalars_are_compared(runs):
     compared = compare(a, b, ())
     assert compared.code == 0
     assert "scalars alone" in compared.notes[0]
-    assert "positions" not in {one.name for one in compared.differences}
+    assert "positions" not in {one.found.name for one in compared.differences}
 
 
 UNITS = {"positions": "m", "tip": "m", "ratio": "1"}
