@@ -14,6 +14,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from ..arrays import FloatArray
+from ..csv_columns import MAX_BYTES
 from ..errors import ScenarioError
 from ..file_text import decode
 from ..scenario.language.sweep import MAX_POINTS, Sample, Span, Sweep
@@ -98,6 +99,8 @@ def latin_hypercube(count: int, dimensions: int, seed: int) -> FloatArray:
 
 def _table(path: Path) -> list[Row]:
     try:
+        if not path.is_file() or path.stat().st_size > MAX_BYTES:
+            raise ScenarioError(f"{path}: expected a file of at most {MAX_BYTES // 1024**2} MB")
         text = decode(path.read_bytes())
     except (OSError, UnicodeDecodeError) as error:
         raise ScenarioError(f"{path}: cannot read: {getattr(error, 'strerror', None) or 'no text'}") from None

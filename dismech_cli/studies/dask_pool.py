@@ -99,7 +99,11 @@ class DaskPool:
         now = time.monotonic()
         if now - self._looked > _COUNTED:
             self._looked = now
-            self._workers = self._client.nthreads()
+            before, self._workers = self._workers, self._client.nthreads()
+            if before and not self._workers:
+                self._narrator.warn(
+                    "no worker is left: waiting for one; Ctrl-C ends the sweep, --resume goes on"
+                )
         return max(0, sum(self._workers.values()) + len(self._workers) - len(self._flying))
 
     def warm(self, tasks: Sequence[Task], stopped: Callable[[], bool]) -> None:

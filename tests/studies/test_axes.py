@@ -173,6 +173,12 @@ def test_faults_of_the_command_line(tmp_path: Path, given, told):
         Given(**given).axes(tmp_path)
 
 
+@pytest.mark.parametrize("name", ["nowhere.csv", "/dev/zero", "."])
+def test_what_is_no_table(folder: Folder, name):
+    with pytest.raises(ScenarioError, match="expected a file"):
+        rows(axes(csv=name), folder.path)
+
+
 PARAMETRIC = "parameters: {E: {default: 2, unit: MPa}, unused: 1}\n" + SCENE.replace("2 MPa", "$E")
 
 
