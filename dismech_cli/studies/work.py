@@ -53,6 +53,8 @@ class Worker:
             OutputError: A result cannot be written.
         """
         queue = deque(tasks)
+        if others_at(self.points, frozenset()):
+            queue.reverse()  # two sweeps in one folder meet in the middle
         total = len(queue)
         while (queue or self._flying) and not stop.requested:
             self._submit(queue, executor)
