@@ -31,7 +31,9 @@ def swept(nursery: Nursery, arm: Path) -> Callable[..., Done]:
 
     def run(*options: object, out: str = "out", **environment: str) -> Done:
         more = {"PYTHONPATH": f"{arm / 'trouble'}{os.pathsep}{os.environ.get('PYTHONPATH', '')}"}
-        return nursery.call(arm, "sweep", "arm.yaml", "-o", out, *options, **more, **environment)
+        # one child where nothing depends on there being more: each imports for seconds
+        jobs = () if "-j" in options else ("-j", 1)
+        return nursery.call(arm, "sweep", "arm.yaml", "-o", out, *jobs, *options, **more, **environment)
 
     return run
 
@@ -184,6 +186,7 @@ def test_a_missed_expectation_is_a_failure_of_its_case(swept, arm):
     assert {row["expect.tip.kept"] for row in rows_of(arm / "out")} == {"no"}
 
 
+@pytest.mark.slow
 def test_frames_that_do_not_fit_are_the_failure_of_their_point(nursery, arm):
     two = ("--over", "numerics.t_end=0.02 s,20 s", "--set", "expect={}", "-j", 1)
     done = nursery.start(arm, "sweep", "arm.yaml", "-o", "out", *two, file_limit=2_000_000).wait()
@@ -193,7 +196,9 @@ def test_frames_that_do_not_fit_are_the_failure_of_their_point(nursery, arm):
     assert not left_over(arm / "out")
 
 
-@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+@pytest.mark.parametrize(
+    ("number", "code"), [(signal.SIGINT, 130), pytest.param(signal.SIGTERM, 143, marks=pytest.mark.slow)]
+)
 def test_a_signal_stops_the_sweep_and_its_children(nursery, arm, number, code):
     process = slow_sweep(nursery, arm, FOUR)
     wait_until(lambda: any((arm / "out").glob("points/*/result.json")))

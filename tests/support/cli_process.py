@@ -24,7 +24,9 @@ ROOT = Path(__file__).resolve().parents[2]
 NURSERY = """
 import json, os, resource, signal, sys
 import h5py
+import matplotlib.backends.backend_svg, matplotlib.figure
 import dismech_cli.output.writers, dismech_cli.session.start, dismech_cli.session.resume
+import dismech_cli.studies.sweep
 from dismech_cli.cli.app import main
 
 def become(job):
