@@ -31,6 +31,12 @@ class LawError(DismechError):
     exit_code = 3
 
 
+class ControlError(DismechError):
+    """A controller fails in the middle of a run (exit 3)."""
+
+    exit_code = 3
+
+
 class SolverError(DismechError):
     """The solver gave up, or the motion blew up (exit 3)."""
 

@@ -51,6 +51,26 @@ KINDS: Final[dict[str, Kind]] = {
     "angle": Kind("an angle", "rad", Dimension(rad=1)),
     "curvature": Kind("a curvature", "1/m", Dimension(m=-1), (Dimension(m=-1, rad=1),)),
     "twist rate": Kind("a twist per length", "rad/m", Dimension(m=-1, rad=1), (Dimension(m=-1),)),
+    "strain": Kind(
+        "a strain, a curvature, a twist per length or an angle",
+        "1",
+        Dimension(),
+        (Dimension(m=-1), Dimension(m=-1, rad=1), Dimension(rad=1)),
+    ),
+    "strain rate": Kind(
+        "a rate of strain, curvature, twist per length or angle",
+        "1/s",
+        Dimension(s=-1),
+        (Dimension(m=-1, s=-1), Dimension(m=-1, s=-1, rad=1), Dimension(s=-1, rad=1)),
+    ),
+    "rate of ratio": Kind("a rate of strain", "1/s", Dimension(s=-1)),
+    "rate of curvature": Kind(
+        "a rate of curvature", "1/m/s", Dimension(m=-1, s=-1), (Dimension(m=-1, s=-1, rad=1),)
+    ),
+    "rate of twist rate": Kind(
+        "a rate of twist per length", "rad/m/s", Dimension(m=-1, s=-1, rad=1), (Dimension(m=-1, s=-1),)
+    ),
+    "rate of angle": Kind("an angular velocity", "rad/s", Dimension(s=-1, rad=1)),
     "velocity": Kind("a velocity", "m/s", Dimension(m=1, s=-1)),
     "angular velocity": Kind("an angular velocity", "rad/s", Dimension(s=-1, rad=1)),
     "acceleration": Kind("an acceleration", "m/s^2", Dimension(m=1, s=-2)),

@@ -88,6 +88,15 @@ Set = Annotated[
 ProfileOption = Annotated[
     Profile | None, typer.Option("--profile", help="Trade speed for accuracy.", show_default=False)
 ]
+Plugin = Annotated[
+    list[Path] | None,
+    typer.Option(
+        "--plugin",
+        metavar="FILE.py",
+        help="Controllers in Python, which run as a program; repeatable.",
+        show_default=False,
+    ),
+]
 AllowOutside = Annotated[
     bool, typer.Option("--allow-outside", help="Permit files outside the folder of the scenario.")
 ]

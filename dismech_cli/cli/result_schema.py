@@ -124,6 +124,7 @@ class Checked(_Strict):
     joints: list[Joint]
     parameters: dict[str, Parameter]
     plan: list[Decision]
+    loops: list[str]
     warnings: list[str]
     cost: Cost
 

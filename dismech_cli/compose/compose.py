@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from ..control.plugin import NONE, Plugins
 from ..model.model import Model
 from ..model.term import ChangingTerm, Term
 from ..run.observe import LOAD_COLUMNS, scalar_columns
@@ -15,7 +16,8 @@ from ..run.simulation import Simulation
 from ..scenario.load import LoadedScenario
 from .bodies.geometry import Geometry
 from .changing import Changing, make_changing
-from .elastic.elastic import Elastic, make_elastic
+from .control.control import NO_CONTROL, Control, make_control
+from .elastic.elastic import Elastic, make_elastic, make_passive
 from .imperfection import NO_DEVIATION, Deviation, find_deviation
 from .initial.signature import signature
 from .initial.start import make_start
@@ -24,7 +26,7 @@ from .nets import net_decisions
 from .numerics import build_integrator, build_newton, check_linear_solver, follows_path
 from .observables.fields import make_fields, make_topology
 from .observables.labels import node_labels
-from .observables.probes import make_probes, make_watched
+from .observables.probes import make_probe, make_probes, make_watched
 from .observables.validity import make_checks
 from .path import make_advance
 from .scene import Scene, make_scene
@@ -46,18 +48,21 @@ class Composition:
         plan: The plan it follows.
         geometry: The bodies.
         kept: A file that stands for the run that it starts from; empty where it starts from none.
+        followed: Files that stand for the folders of runs that controllers follow, by their names.
     """
 
     simulation: Simulation
     plan: Plan
     geometry: Geometry
     kept: bytes = b""
+    followed: Mapping[str, bytes] = field(default_factory=dict)
 
 
 def compose(
     loaded: LoadedScenario,
     kernels: str | None = None,
     planned: Callable[[Plan], None] = lambda plan: None,
+    plugins: Plugins = NONE,
 ) -> Composition:
     """Compose everything; steps nothing.
 
@@ -65,13 +70,14 @@ def compose(
         loaded: The scenario.
         kernels: Overrides the plan's choice of kernels: a resumed run keeps those it had.
         planned: Told the plan before anything is made of it, which may take long to compile.
+        plugins: Where controllers of plugins come from.
 
     Raises:
         ScenarioError: The scenario cannot be composed; the message points to the key.
     """
     perfect = make_scene(loaded)
     refuse_oversized(loaded, perfect.geometry)
-    deviation = _deviation(perfect)
+    deviation = _deviation(perfect, plugins)
     scene = deviation.made(perfect)
     holds = resolve_holds(scene)
     plan = make_plan(scene, holds, kernels)
@@ -79,18 +85,18 @@ def compose(
     planned(plan)
     check_linear_solver(loaded)
     structure = make_structure(scene, holds, plan)
-    elastic = make_elastic(scene, structure)
+    control, elastic = _driven(scene, structure, plugins)
     forces = make_forces(scene, structure)
     changing = make_changing(scene, structure)
     roles = _roles(elastic, forces, changing)
-    probes = make_probes(scene, structure)
+    probes = make_probes(scene, structure, control)
     fields = make_fields(scene, structure, elastic.rods)
     columns = scalar_columns(roles, probes, LOAD_COLUMNS if follows_path(loaded) else {})
     numerics = loaded.scenario.numerics
     model = _model(scene, structure, (*elastic.terms, *elastic.damping, *forces.all), changing.terms)
     start = make_start(scene, structure, model.motions)
     state = deviation.pushed(start.state, structure.dofs, structure.frames)
-    stepping = make_stepping(loaded, model, state.q)
+    stepping = make_stepping(loaded, model, state.q, control.events)
     simulation = Simulation(
         name=loaded.scenario.name,
         model=model,
@@ -101,14 +107,15 @@ def compose(
         ),
         linear_solver=numerics.linear_solver,
         control=stepping.control,
-        advance=make_advance(scene, structure, model),
+        controls=control.controls,
+        advance=make_advance(scene, structure, control, model),
         frame_every=stepping.every,
         looks=stepping.looks,
-        start=state,
+        start=control.controls.started(state, control.size),
         topology=make_topology(scene, structure, fields, columns),
         fields=fields,
         probes=probes,
-        watched=make_watched(scene, structure),
+        watched=make_watched(scene, structure, control),
         places=node_labels(scene.geometry),
         checks=(*make_checks(scene, structure, elastic.rods), *changing.checks),
         touched=changing.touched,
@@ -119,17 +126,30 @@ def compose(
         decisions=(*plan.decisions, *net_decisions(scene, model)),
         warnings=(*plan.warnings, *changing.warnings),
     )
-    return Composition(simulation, plan, scene.geometry, start.kept)
+    return Composition(simulation, plan, scene.geometry, start.kept, control.kept)
 
 
-def _deviation(perfect: Scene) -> Deviation:
+def _driven(scene: Scene, structure: Structure, plugins: Plugins) -> tuple[Control, Elastic]:
+    """Controllers, and the elastic energies that they and laws drive."""
+    passive = make_passive(scene, structure)
+    control = make_control(
+        scene,
+        structure,
+        passive,
+        plugins,
+        lambda probe, path: make_probe(scene, structure, NO_CONTROL, probe, path),
+    )
+    return control, make_elastic(scene, structure, passive, control.ports)
+
+
+def _deviation(perfect: Scene, plugins: Plugins) -> Deviation:
     """What the imperfection of the scenario asks for: modes of the scene without it, and without loads."""
     spec = perfect.scenario.imperfection
     if spec is None:
         return NO_DEVIATION
     holds = resolve_holds(perfect)
     structure = make_structure(perfect, holds, make_plan(perfect, holds, "numpy"))
-    model = _model(perfect, structure, make_elastic(perfect, structure).terms)
+    model = _model(perfect, structure, _driven(perfect, structure, plugins)[1].terms)
     mass = mass_matrix(perfect.geometry, structure.dofs, structure.payload)
     return find_deviation(spec, perfect, model, mass)
 
@@ -158,6 +178,7 @@ def _model(
 def _roles(elastic: Elastic, forces: Forces, changing: Changing) -> Roles:
     return Roles(
         elastic=elastic.terms,
+        surplus=elastic.surplus,
         gravitational=tuple(term.name for term in forces.gravitational),
         loads=tuple(term.name for term in forces.loads),
         dissipative=tuple(term.name for term in (*elastic.damping, *forces.dissipative)),

@@ -22,7 +22,8 @@ from ..scenario.values.runtime_law import to_law
 Coordinates = Mapping[str, FloatArray]
 """Values of the variables of space that an expression may use."""
 
-_NOWHERE: Coordinates = MappingProxyType({})
+NOWHERE: Coordinates = MappingProxyType({})
+"""Where no variable of space has a value."""
 
 
 class ToLaw(Protocol):
@@ -42,13 +43,13 @@ def make_laws(loaded: LoadedScenario) -> ToLaw:
 
 def dynamic_laws(directory: Path) -> ToLaw:
     """Laws as written."""
-    return lambda spec, at=_NOWHERE: to_law(spec, directory, at)
+    return lambda spec, at=NOWHERE: to_law(spec, directory, at)
 
 
 def static_laws(directory: Path, grown: Callable[[float], Law]) -> ToLaw:
     """Constants grow with the load parameter, as ``grown`` says."""
 
-    def convert(spec: LawSpec, at: Coordinates = _NOWHERE) -> Law:
+    def convert(spec: LawSpec, at: Coordinates = NOWHERE) -> Law:
         law = to_law(spec, directory, at)
         if isinstance(law, Constant) and law.level != 0.0:
             return grown(law.level)

@@ -16,6 +16,7 @@ from ..solve.path import Goal, PathFollower
 from ..solve.path_metric import PathMetric
 from ..solve.relax import relaxed
 from ..solve.step import Advance, through_stages
+from .control.control import Control
 from .observables.probes import make_probe
 from .scene import Scene
 from .structure.structure import Structure
@@ -24,21 +25,23 @@ WAYS: dict[str, Advance] = {"newton": through_stages, "relax": relaxed}
 """How statics find equilibria."""
 
 
-def make_advance(scene: Scene, structure: Structure, model: Model) -> Advance:
+def make_advance(scene: Scene, structure: Structure, control: Control, model: Model) -> Advance:
     """How the steps of a run go."""
     integrator = scene.scenario.numerics.integrator
     if isinstance(integrator, Static) and integrator.path is not None:
         spec = integrator.path
-        goal = _goal(spec, scene, structure, model)
+        goal = _goal(spec, scene, structure, control, model)
         return PathFollower(PathMetric.of(model, spec.load_factor), spec.load_factor, (goal,))
     return WAYS[integrator.method] if isinstance(integrator, Static) else through_stages
 
 
-def _goal(spec: LoadPath, scene: Scene, structure: Structure, model: Model) -> Goal:
+def _goal(spec: LoadPath, scene: Scene, structure: Structure, control: Control, model: Model) -> Goal:
     if spec.until is None:
         return Goal(_of_shape(LoadFactor(), model), spec.load_factor)
     path = ("numerics", "integrator", "path", "until", "probe")
-    return Goal(_of_shape(make_probe(scene, structure, spec.until.probe, path), model), spec.until.value)
+    return Goal(
+        _of_shape(make_probe(scene, structure, control, spec.until.probe, path), model), spec.until.value
+    )
 
 
 def _of_shape(probe: Probe, model: Model) -> Callable[[State], float]:

@@ -44,13 +44,16 @@ class Stepping:
     looks: Looks = at_ends
 
 
-def make_stepping(loaded: LoadedScenario, model: Model, start: FloatArray) -> Stepping:
+def make_stepping(
+    loaded: LoadedScenario, model: Model, start: FloatArray, samples: tuple[float, ...] = ()
+) -> Stepping:
     """What decides on steps and frames.
 
     Args:
         loaded: The scenario.
         model: What is stepped.
         start: Shape (n,) that motion is counted from.
+        samples: Times at which steps must end [s]: those at which controllers sample.
     """
     numerics, every = loaded.scenario.numerics, loaded.scenario.output.every
     cuts, integrator = numerics.step.max_cuts, numerics.integrator
@@ -66,7 +69,7 @@ def make_stepping(loaded: LoadedScenario, model: Model, start: FloatArray) -> St
     releases = tuple(m.release for m in loaded.scenario.motions if m.release is not None)
     if not numerics.adapts:
         assert numerics.dt is not None
-        return Stepping(Clock(time_grid(numerics.dt, t_end, releases), cuts), every)
+        return Stepping(Clock(time_grid(numerics.dt, t_end, (*releases, *samples)), cuts), every)
     tolerance, scheme = _tolerance(numerics, t_end), build_integrator(integrator)
     # what rings, or touches, moves in a step as no cubic does: frames then lie at the ends of steps
     smooth = scheme.damping > 0 and loaded.scenario.contact is None
@@ -76,6 +79,7 @@ def make_stepping(loaded: LoadedScenario, model: Model, start: FloatArray) -> St
         norm=ErrorNorm(model, start, float(np.ptp(model.dofs.positions(model.rest), axis=0).max())),
         integrator=scheme,
         every=inf if smooth else every,
+        samples=np.array(samples),
         step=tolerance.first,
     )
     return Stepping(control, every, within if smooth else at_ends)

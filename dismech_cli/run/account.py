@@ -32,7 +32,14 @@ class EnergyAccount:
     Implements :class:`~dismech_cli.model.saved.Saved`.
     """
 
-    columns = ("external_work", "actuation_work", "dissipation", "friction", "initial", "largest")
+    columns: tuple[str, ...] = (
+        "external_work",
+        "actuation_work",
+        "dissipation",
+        "friction",
+        "initial",
+        "largest",
+    )
 
     def __init__(self, model: Model, roles: Roles, start: State) -> None:
         self._model = model
@@ -48,6 +55,9 @@ class EnergyAccount:
         self._contact: Sequence[BoundEnergy] = ()
         self._changing: Sequence[BoundEnergy] = ()
         self._pushed: Sequence[BoundEnergy] = ()
+        self._surplus: Sequence[BoundEnergy] = ()
+        if roles.surplus:
+            self.columns = (*self.columns, "surplus")
         self.sums = dict.fromkeys(self.columns, 0.0)
         # the sums at the start of the last step, and its ends
         self._before, self._span = dict(self.sums), (0.0, 0.0)
@@ -65,10 +75,14 @@ class EnergyAccount:
         self._contact = [term for term in system.energies if term.name in roles.contact]
         self._changing = [term for term in self._gravitational if not term.steady]
         self._pushed = [term for term in self._contact if not term.steady]
+        bound = (term.bind(system.pattern, model.driver) for term in roles.surplus)
+        self._surplus = [energy for term in bound if (energy := term.potential) is not None]
 
     def start(self, state: State) -> None:
         """Take the stored energy of ``state`` as the zero of the account."""
         self.sums["initial"] = 0.0
+        if self._surplus:
+            self.sums["surplus"] = self._fed(state)
         self.sums["initial"] = self.measure(state)["error"]
 
     def advance(
@@ -98,12 +112,18 @@ class EnergyAccount:
         sums["external_work"] += work.in_time(self._changing, start, end)
         sums["external_work"] += work.by_movers(self._pushed, start, end)
 
+    def put_in(self, before: State, after: State) -> None:
+        """Book the work of what is put in at once: both states have the same shape and time."""
+        self.sums["actuation_work"] += self._work.in_time(
+            self._actuated, self._see(before), Known(after, self._model.frames)
+        )
+
     def measure(self, state: State) -> Mapping[str, float]:
         """All entries of the account at ``state`` [J]; within a step, work as if done evenly."""
         c = self._see(state).at(state)
         entries = {"kinetic": 0.5 * float(self._model.mass @ (state.v * state.v))}
         parts = dict.fromkeys(self._roles.shares, 0.0)
-        for term in self._elastic:
+        for term in (*self._elastic, *self._surplus):
             for name, value in zip(term.shares, term.energy(c).sum(axis=1).tolist(), strict=True):
                 parts[name] += value
         entries |= parts
@@ -113,6 +133,9 @@ class EnergyAccount:
         entries["total"] = sum(entries[name] for name in ("kinetic", "elastic", "gravitational", "contact"))
         s = self._sums_at(state.t)
         entries["external_work"] = s["external_work"] + s["actuation_work"]
+        if self._surplus:
+            # what feedback stores in passive springs beyond stiffer ones, it has put in
+            entries["external_work"] += self._fed(state) - s["surplus"]
         entries["dissipation"] = s["dissipation"]
         entries["friction"] = s["friction"]
         entries["error"] = entries["total"] - s["initial"] - entries["external_work"] + s["dissipation"]
@@ -173,6 +196,11 @@ class EnergyAccount:
         """Energy [J] of a motion by a millionth of the robot's size in the time of the run: round-off."""
         speed = _STILL * self._size / seconds
         return self._mass * speed**2
+
+    def _fed(self, state: State) -> float:
+        """Energy of passive springs beyond that of the stiffer ones in the balance [J]."""
+        c = self._see(state).at(state)
+        return sum(float(term.energy(c).sum()) for term in self._surplus)
 
     def _see(self, state: State) -> Known:
         """What is known of a state; a step begins at the end of the last one."""

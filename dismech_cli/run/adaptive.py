@@ -5,10 +5,13 @@ PI control of the step (Gustafsson 1991; Hairer and Wanner 1996, IV.8), restarte
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from math import floor, inf
 from typing import Final
 
+import numpy as np
+
+from ..arrays import FloatArray
 from ..model.saved import Arrays, Numbers
 from ..solve.integrators import Integrator
 from ..solve.step import StepResult
@@ -55,6 +58,7 @@ class Adaptive:
         integrator: Estimates it.
         every: Time between marks at which steps end too [s]: frames of runs that have none in between;
             infinite without.
+        samples: Times at which steps end too, ascending [s]: those at which controllers sample.
         at: Time [s].
         step: That the next step may have [s].
         last: Error of the last step, in units of the tolerance.
@@ -68,6 +72,7 @@ class Adaptive:
     norm: ErrorNorm
     integrator: Integrator
     every: float = inf
+    samples: FloatArray = field(default_factory=lambda: np.empty(0))
     at: float = 0.0
     step: float = 0.0
     last: float = 1.0
@@ -85,12 +90,12 @@ class Adaptive:
         """How many steps such runs usually take."""
         usual = _STEPS * float((RTOL / self.tolerance.rtol) ** (1.0 / self.integrator.error_order))
         least = self.t_end / min(self.tolerance.longest, self.pace.longest)
-        return round(max(usual, least)) + _RESTART * len(self.pace.events)
+        return round(max(usual, least, len(self.samples))) + _RESTART * len(self.pace.events)
 
     @property
     def target(self) -> float:
         """Time [s] at the end of the next step."""
-        event = min(self.pace.next_event(self.at), self._next_mark)
+        event = min(self.pace.next_event(self.at), self._next_mark, self._next_sample)
         step = min(self.step, self.pace.limit(self.at) - self.at)
         if event - self.at <= _STRETCH * step:
             return event
@@ -184,6 +189,12 @@ class Adaptive:
         if self.every == inf:
             return inf
         return self.every * (floor(self.at / self.every * (1.0 + 1e-12)) + 1)
+
+    @property
+    def _next_sample(self) -> float:
+        """The first sample after now [s]."""
+        place = int(np.searchsorted(self.samples, self.at, side="right"))
+        return float(self.samples[place]) if place < len(self.samples) else inf
 
     def _cut(self, factor: float) -> Adaptive:
         step = max(factor * (self.target - self.at), self.tolerance.shortest)

@@ -157,8 +157,10 @@ class Course:
 
         Raises:
             LawError: Something that the step follows has no value there.
+            ControlError: A controller fails.
         """
         target, tick = self.control.target, time.perf_counter()
+        self._act(target)
         self._prepare()
         step = self.stepper.step if self.control.exhausted else self.stepper.attempt
         result = step(self.state, target - self.state.t)
@@ -223,6 +225,13 @@ class Course:
 
     def _show(self, before: State, result: StepResult, dt: float) -> Snapshot | None:
         return self.framing.see(before, result, dt, self.counters.iterations, last=self.control.done)
+
+    def _act(self, target: float) -> None:
+        """Let controllers put in what they do for a step to a time [s]."""
+        acted = self.simulation.controls.act(self.state, target)
+        if acted is not self.state:
+            self.account.put_in(self.state, acted)
+            self.state = acted
 
     def _prepare(self) -> None:
         """Make ready for a step: the account follows the stepper to other free DOFs."""

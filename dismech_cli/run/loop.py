@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from enum import Enum
 
 from ..arrays import FloatArray
-from ..errors import LawError
+from ..errors import ControlError, LawError
 from ..model.saved import Arrays, Numbers
 from ..model.state import State
 from ..solve.integrators import Static
@@ -140,7 +140,7 @@ def _advance(course: Course, limits: Limits, stop: StopRequest) -> Outcome:
                 course.refuse(result, shorter)
                 continue
             shown = course.accept(result)
-        except LawError as error:
+        except (ControlError, LawError) as error:
             return _failed(course, Failure(str(error)))
         dt = target - start
         if shown is not None and not shown.finite:

@@ -18,6 +18,7 @@ class Roles:
         dissipative: Names of those that take energy out.
         contact: Names of those that store the energy of contact.
         friction: Names of those that take energy out where bodies touch.
+        surplus: What elastic terms store beyond their energies in the balance, under their names.
     """
 
     elastic: tuple[Elastic, ...]
@@ -26,6 +27,7 @@ class Roles:
     dissipative: tuple[str, ...]
     contact: tuple[str, ...] = ()
     friction: tuple[str, ...] = ()
+    surplus: tuple[Elastic, ...] = ()
 
     @property
     def shares(self) -> tuple[str, ...]:

@@ -8,6 +8,7 @@ from typing import Any
 
 from numpy.typing import NDArray
 
+from ..control.loop import UNCONTROLLED, Controls
 from ..model.model import Model
 from ..model.state import State
 from ..output.frame import Topology
@@ -46,6 +47,7 @@ class Simulation:
         advance: How steps go.
         checks: Limits of its models.
         touched: Reads what contact leaves in states; None without contact.
+        controls: What acts on the state before every step.
         structure: What its states are states of, by name: kept with them.
     """
 
@@ -66,5 +68,6 @@ class Simulation:
     advance: Advance = through_stages
     checks: tuple[Check, ...] = ()
     touched: Touched | None = None
+    controls: Controls = UNCONTROLLED
     structure: Mapping[str, NDArray[Any]] = field(default_factory=dict)
     looks: Looks = at_ends

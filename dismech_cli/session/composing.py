@@ -5,6 +5,7 @@ from __future__ import annotations
 from ..compose.compose import Composition, compose
 from ..compose.numerics import DRIVERS
 from ..compose.structure.plan import Plan
+from ..control.plugin import NONE, Plugins
 from ..errors import ScenarioError
 from ..kernels.availability import numba_fault
 from ..kernels.cache import is_compiled
@@ -13,13 +14,16 @@ from ..words import listed
 from .narrator import Narrator
 
 
-def composed(loaded: LoadedScenario, kernels: str | None, narrator: Narrator) -> Composition:
+def composed(
+    loaded: LoadedScenario, kernels: str | None, narrator: Narrator, plugins: Plugins = NONE
+) -> Composition:
     """Compose a scenario and tell its plan.
 
     Args:
         loaded: The scenario.
         kernels: Overrides the plan's choice of kernels.
         narrator: Told the plan before anything is built, which may take long to compile.
+        plugins: Where controllers of plugins come from.
 
     Raises:
         ScenarioError: It cannot be composed, or there are no such kernels.
@@ -28,7 +32,7 @@ def composed(loaded: LoadedScenario, kernels: str | None, narrator: Narrator) ->
         raise ScenarioError(f"unknown kernels {kernels!r}: expected {listed(DRIVERS)}")
     if kernels == "numba" and (fault := numba_fault()):
         raise ScenarioError(f"kernels by numba, which {fault.text}")
-    return compose(loaded, kernels, planned=lambda plan: tell_plan(plan, narrator))
+    return compose(loaded, kernels, planned=lambda plan: tell_plan(plan, narrator), plugins=plugins)
 
 
 def tell_doubts(composition: Composition, narrator: Narrator) -> None:

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..arrays import FloatArray
 from ..compose.compose import compose
+from ..control.plugin import Dummies
 from ..errors import ScenarioError
 from ..kinematics.rod_frames import FrameState
 from ..model.state import State
@@ -43,7 +44,8 @@ def computed_field(run: Run, name: str, file: Path) -> Field:
             f"of {run.path} do not tell; add it to 'output: fields' and run again"
         )
     wanted = (f"output.fields=[{name}]", "output.render={}")
-    simulation = compose(load(run.path / SCENARIO_FILE, overrides=wanted), kernels="numpy").simulation
+    loaded = load(run.path / SCENARIO_FILE, overrides=wanted)
+    simulation = compose(loaded, kernels="numpy", plugins=Dummies()).simulation
     (observable,) = simulation.fields
     values = _values(run, simulation, observable, name)
     np.save(file, values)
@@ -58,16 +60,17 @@ def _values(run: Run, simulation: Simulation, observable: Observable, name: str)
     observer = Observer(simulation, stepper, account, lambda singular: None)
     turned = _unknown(model.frames.rest(model.rest))
     q, v, times = run.state("q"), run.state("v"), run.t
-    nothing = np.zeros_like(model.rest)
+    nothing, unknown = np.zeros_like(model.rest), np.full_like(simulation.start.inputs, np.nan)
     found = []
     with np.errstate(all="ignore"):
         for frame in range(len(run)):
-            state = State(float(times[frame]), q[frame], v[frame], nothing, turned)
+            state = State(float(times[frame]), q[frame], v[frame], nothing, turned, unknown)
             found.append(observable(observer.snapshot(state, nothing)))
             if np.isfinite(q[frame]).all() and not np.isfinite(found[-1]).all():
                 raise ScenarioError(
-                    f"cannot colour by {name!r}: it depends on how cross-sections turned at every step, "
-                    f"which the frames of {run.path} do not tell; add it to 'output: fields' and run again"
+                    f"cannot colour by {name!r}: it depends on how cross-sections turned at every step, or "
+                    f"on what controllers did, which the frames of {run.path} do not tell; add it to "
+                    "'output: fields' and run again"
                 )
     return np.stack(found)
 

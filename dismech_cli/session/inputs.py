@@ -8,7 +8,9 @@ import shutil
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from types import MappingProxyType
 
+from ..control.plugin import NONE, Loaded
 from ..errors import ScenarioError
 from ..output.durable import output_errors, staged, write_bytes
 from ..output.jsonable import Json
@@ -64,19 +66,29 @@ class Inputs:
         write_bytes(run_dir / SCENARIO_FILE, self.text.encode())
 
 
-def gather_inputs(loaded: LoadedScenario, kept: bytes = b"") -> Inputs:
+def gather_inputs(
+    loaded: LoadedScenario,
+    kept: bytes = b"",
+    plugins: Loaded = NONE,
+    followed: Mapping[str, bytes] = MappingProxyType({}),
+) -> Inputs:
     """Find the files of a scenario and give them names in the run directory.
 
     Args:
         loaded: The scenario.
         kept: A file that stands for the folder of another run that it starts from.
+        plugins: Files of controllers.
+        followed: Files that stand for folders of other runs that it follows, by the names of these.
     """
     names: dict[str, str] = {}
     made: dict[str, bytes] = {}
     for leaf in leaves(loaded.scenario):
         if leaf.file and leaf.value not in names and leaf.path[0] not in ("include", "sweep"):
             name = f"{INPUT_FOLDER}/{Path(leaf.value).name}"
-            if leaf.folder and kept:
+            if leaf.value in followed:
+                name = f"{INPUT_FOLDER}/{Path(leaf.value).name}.csv"
+                made[name] = followed[leaf.value]
+            elif leaf.folder and kept:
                 name = f"{INPUT_FOLDER}/{STATE_FILE}"
                 made[name] = kept
             # Files of one name from different folders are told apart by a number.
@@ -87,7 +99,34 @@ def gather_inputs(loaded: LoadedScenario, kept: bytes = b"") -> Inputs:
         new: hashlib.sha256(made[new]).hexdigest() if new in made else _sha256(file)
         for new, file in files.items()
     }
+    files |= {f"{INPUT_FOLDER}/{one.path.name}": one.path.resolve() for one in plugins.files.values()}
+    hashes |= {f"{INPUT_FOLDER}/{one.path.name}": one.digest for one in plugins.files.values()}
     return Inputs(text, files, hashes, made)
+
+
+def refuse_other_plugins(run_dir: Path, hashes: Mapping[str, str], plugins: Loaded) -> None:
+    """Refuse to go on with another program, or without it.
+
+    Args:
+        run_dir: The run directory.
+        hashes: SHA-256 of the files of the run, as its manifest has them.
+        plugins: Those that it is to go on with.
+
+    Raises:
+        ScenarioError: A plugin is missing, is another one, or is new.
+    """
+    before = {Path(name).name: digest for name, digest in hashes.items() if Path(name).suffix == ".py"}
+    now = {one.path.name: one.digest for one in plugins.files.values()}
+    for name, digest in before.items():
+        if name not in now:
+            raise ScenarioError(f"{run_dir} was run with a plugin: name it again, --plugin {name}")
+        if now[name] != digest:
+            raise ScenarioError(
+                f"cannot resume {run_dir}: {name} is not the plugin that it was run with; that one lies in "
+                f"its {INPUT_FOLDER}"
+            )
+    for name in now.keys() - before.keys():
+        raise ScenarioError(f"cannot resume {run_dir}: it was run without --plugin {name}")
 
 
 def stored_inputs(run_dir: Path, names: Iterable[str]) -> Inputs:

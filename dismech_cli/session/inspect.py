@@ -12,6 +12,7 @@ from ..compose.bodies.geometry import Geometry
 from ..compose.compose import Composition, compose
 from ..compose.sizes import memory
 from ..compose.structure.plan import Decision
+from ..control.plugin import load_plugins
 from ..kinematics.motion import held_dofs
 from ..output.frame import Topology
 from ..output.jsonable import Json, to_json
@@ -20,6 +21,7 @@ from ..scenario.text.parameters import Parameter
 from ..scenario.views.provenance import as_json
 from ..solve.system import System
 from .joints import JointLine, joint_lines
+from .loops import look_at_loops, nominal_step
 
 # Measured on one core of 2.5 GHz: seconds per Newton iteration, fixed, per edge and per triangle,
 # linear solve included; factors of a surface fill by a power of its size. Good within a factor of three.
@@ -92,6 +94,7 @@ class Finding:
         warnings: Implausible values.
         parameters: Of the scenario, by name.
         cost: Size and price.
+        loops: Gains of sampled controllers.
     """
 
     path: Path
@@ -102,6 +105,7 @@ class Finding:
     warnings: tuple[str, ...]
     parameters: Mapping[str, Parameter]
     cost: Cost
+    loops: tuple[str, ...] = ()
 
     def as_json(self) -> dict[str, Json]:
         """For programs."""
@@ -113,6 +117,7 @@ class Finding:
             "joints": to_json([asdict(joint) for joint in self.joints]),
             "parameters": as_json(self.parameters),
             "plan": to_json([asdict(decision) for decision in self.decisions]),
+            "loops": list(self.loops),
             "warnings": list(self.warnings),
             "cost": to_json(asdict(self.cost)),
         }
@@ -127,6 +132,7 @@ class Finding:
                 *(f"  {note}" for note in self.notes),
                 *(f"  {joint}" for joint in self.joints),
                 *(f"  {d.what}\n    because: {d.why}" for d in self.decisions),
+                *(f"  {loop}" for loop in self.loops),
                 f"  {c.free} free of {c.dofs} DOFs, {c.entries} matrix entries, {c.solver} solver",
                 f"  {c.steps} steps, {c.frames} frames",
                 f"  about {_duration(c.seconds)}, {_bytes(c.memory)} of memory, {_bytes(c.disk)} on disk",
@@ -134,15 +140,27 @@ class Finding:
         )
 
 
-def inspect(path: Path, *, overrides: tuple[str, ...], profile: str | None, allow_outside: bool) -> Finding:
-    """Read and build a scenario; step nothing.
+def inspect(
+    path: Path,
+    *,
+    overrides: tuple[str, ...],
+    profile: str | None,
+    allow_outside: bool,
+    plugins: tuple[Path, ...] = (),
+) -> Finding:
+    """Read and build a scenario; step nothing but the first period of controllers.
 
     Raises:
-        ScenarioError: It cannot be read or built.
+        ScenarioError: It cannot be read or built, or a controller cannot be stable.
     """
     loaded = load(path, overrides=overrides, profile=profile, allow_outside=allow_outside)
-    composition = compose(loaded)
-    warnings = (*loaded.warnings, *composition.plan.warnings)
+    composition = compose(loaded, plugins=load_plugins(plugins))
+    loops = look_at_loops(composition.simulation, nominal_step(loaded.scenario.numerics))
+    for loop in loops:
+        if loop.error:
+            raise loaded.error(("controllers", loop.name), loop.error)
+    doubtful = tuple(loop.warning for loop in loops if loop.warning)
+    warnings = (*loaded.warnings, *composition.plan.warnings, *doubtful)
     decisions = composition.plan.decisions
     return Finding(
         path,
@@ -153,6 +171,7 @@ def inspect(path: Path, *, overrides: tuple[str, ...], profile: str | None, allo
         warnings,
         loaded.parameters,
         estimate(composition),
+        tuple(loop.text for loop in loops),
     )
 
 

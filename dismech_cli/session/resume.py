@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 
+from ..control.plugin import Loaded, load_plugins
 from ..errors import OutputError, ScenarioError
 from ..kernels.availability import numba_fault
 from ..output.jsonable import Json
@@ -21,7 +22,7 @@ from .conduct import Record, Session, conduct
 from .drawing import Finished, draw_asked
 from .ending import Ending
 from .exit_codes import Exit
-from .inputs import gather_inputs, refuse_other, stored_inputs
+from .inputs import gather_inputs, refuse_other, refuse_other_plugins, stored_inputs
 from .log import Logged
 from .narrator import Narrator
 from .pause import Pause
@@ -35,6 +36,7 @@ def proceed(
     overrides: tuple[str, ...] = (),
     *,
     draw: bool = True,
+    plugins: tuple[Path, ...] = (),
 ) -> Finished:
     """Continue the run in ``run_dir``; a finished one is returned as it is, unless it gets a later end.
 
@@ -44,6 +46,7 @@ def proceed(
         narrator: Told what happens.
         overrides: ``KEY=VALUE`` texts that hold from here on.
         draw: Whether the pictures that the scenario asks for are drawn.
+        plugins: Files of controllers, the same as before.
 
     Raises:
         ScenarioError: The directory holds no run, its checkpoint is of another scenario, or a change would
@@ -66,6 +69,8 @@ def proceed(
                 raise ScenarioError(f"{run_dir} is finished: only a later end, --until T, changes it")
             narrator.say(f"{run_dir} is finished" + (f"; {manifest.message}" if manifest.message else ""))
             return Finished(Record(run_dir=run_dir, manifest=manifest, ending=_ending(run_dir, manifest)))
+        files = load_plugins(plugins)
+        refuse_other_plugins(run_dir, manifest.hashes, files)
         logged = Logged(narrator, run_dir / LOG_FILE)
         recorded, checkpoint = _stored(
             run_dir, logged, load_open_checkpoint if change.overrides else load_checkpoint
@@ -73,7 +78,7 @@ def proceed(
         kernels = None if recorded is None else str(recorded["kernels"])
         if kernels == "numba" and (fault := numba_fault()):
             raise ScenarioError(f"{run_dir} was run with numba, which {fault.text}")
-        composition = composed(later, kernels, narrator)
+        composition = composed(later, kernels, narrator, files)
         if change.overrides:
             if checkpoint is not None:
                 checkpoint = moved(composition.simulation, checkpoint)
@@ -81,7 +86,7 @@ def proceed(
             logged.say(manifest.changes[-1])
         manifest = replace(manifest, status="running", ended="", exit_code=None, message="", expectations=())
         manifest.save(run_dir)
-        identity = recorded or _fresh_identity(run_dir, later, composition.plan.kernels)
+        identity = recorded or _fresh_identity(run_dir, later, composition.plan.kernels, files)
         logged.say(f"resuming at t = {0.0 if checkpoint is None else checkpoint.t:.6g} s")
         session = Session(
             loaded=later,
@@ -152,6 +157,6 @@ def _compare_versions(recorded: Mapping[str, Json], narrator: Narrator) -> None:
         narrator.warn(f"the last digits may differ from an uninterrupted run: {', '.join(changed)}")
 
 
-def _fresh_identity(run_dir: Path, loaded: LoadedScenario, kernels: str) -> dict[str, Json]:
-    names = gather_inputs(loaded).files
+def _fresh_identity(run_dir: Path, loaded: LoadedScenario, kernels: str, plugins: Loaded) -> dict[str, Json]:
+    names = gather_inputs(loaded, plugins=plugins).files
     return stored_inputs(run_dir, names).identity(kernels, installed_versions())

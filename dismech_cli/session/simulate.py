@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from ..control.plugin import load_plugins
 from ..errors import ScenarioError
 from ..output import run_directory
 from ..run.interrupt import StopRequest, stop_on_signals
@@ -17,6 +18,7 @@ from .composing import composed, tell_doubts
 from .ending import Ending, conclude
 from .exit_codes import Exit
 from .inputs import gather_inputs
+from .loops import doubtful_loops, nominal_step
 from .narrator import Narrator, Silent
 from .record import Prepared, record
 from .report import Report, Series, columns
@@ -32,6 +34,7 @@ def simulate(
     limits: Limits = Limits(),
     kernels: str | None = None,
     out: str | Path | None = None,
+    plugins: Sequence[str | Path] = (),
     narrator: Narrator = Silent(),
 ) -> Report:
     """Run a scenario to its end, or to a limit.
@@ -49,6 +52,7 @@ def simulate(
         kernels: ``numpy`` or ``numba``, in place of the plan's choice.
         out: A new or empty folder that becomes the run directory, as with ``dismech run -o``, without
             pictures. Ctrl-C then finishes the step and leaves a run that ``dismech resume`` continues.
+        plugins: Files of controllers, as ``--plugin`` names them; they run as programs.
         narrator: Told what happens.
 
     Raises:
@@ -61,12 +65,16 @@ def simulate(
         narrator.warn(warning)
     tock = time.perf_counter()
     with ThreadLimits() as threads:
-        composition = composed(loaded, kernels, narrator)
+        files = load_plugins([Path(one) for one in plugins])
+        composition = composed(loaded, kernels, narrator, files)
         tell_doubts(composition, narrator)
+        doubts = doubtful_loops(composition.simulation, nominal_step(loaded.scenario.numerics))
+        for doubt in doubts:
+            narrator.warn(doubt)
         prepared = Prepared(
             loaded=loaded,
             composition=composition,
-            inputs=gather_inputs(loaded, composition.kept),
+            inputs=gather_inputs(loaded, composition.kept, files, composition.followed),
             limits=limits,
             seconds={"load": tock - tick, "build": time.perf_counter() - tock},
         )
@@ -85,7 +93,7 @@ def simulate(
         scalars=scalars,
         probes={name: scalars[name] for name in composition.simulation.probes},
         watched={name: Series(outcome.times, values) for name, values in outcome.watched.items()},
-        warnings=(*loaded.warnings, *composition.plan.warnings, *outcome.doubts),
+        warnings=(*loaded.warnings, *composition.plan.warnings, *doubts, *outcome.doubts),
         seconds={**prepared.seconds, **outcome.seconds},
         run_dir=None if out is None else Path(out),
         outcome=outcome,

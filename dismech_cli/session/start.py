@@ -6,12 +6,14 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
+from ..control.plugin import load_plugins
 from ..output import run_directory
 from ..run.interrupt import stop_on_signals
 from ..scenario.load import LoadedScenario, load
 from .composing import composed, tell_doubts
 from .drawing import Finished, draw_asked
 from .inputs import gather_inputs
+from .loops import doubtful_loops, nominal_step
 from .narrator import Narrator
 from .pause import Pause
 from .record import Prepared, record
@@ -32,6 +34,7 @@ class Start:
         overwrite: Whether the run in ``output`` may be replaced.
         draw: Whether the pictures that the scenario asks for are drawn.
         pause: When to pause.
+        plugins: Files of controllers.
     """
 
     path: Path
@@ -42,6 +45,7 @@ class Start:
     overwrite: bool
     draw: bool
     pause: Pause
+    plugins: tuple[Path, ...] = ()
 
 
 def start(request: Start, narrator: Narrator) -> Finished:
@@ -66,12 +70,15 @@ def start(request: Start, narrator: Narrator) -> Finished:
             "one run, of the values as written: dismech sweep runs the points of its section 'sweep'"
         )
     tock = time.perf_counter()
-    composition = composed(loaded, None, narrator)
+    plugins = load_plugins(request.plugins)
+    composition = composed(loaded, None, narrator, plugins)
     tell_doubts(composition, narrator)
+    for doubt in doubtful_loops(composition.simulation, nominal_step(loaded.scenario.numerics)):
+        narrator.warn(doubt)
     prepared = Prepared(
         loaded=loaded,
         composition=composition,
-        inputs=gather_inputs(loaded, composition.kept),
+        inputs=gather_inputs(loaded, composition.kept, plugins, composition.followed),
         limits=limits,
         seconds={"load": tock - tick, "build": time.perf_counter() - tock},
     )

@@ -128,7 +128,7 @@ def test_uneven_meshes_are_doubtful_for_hinges_only(made: Any) -> None:
         ),
         (
             {"actuation": [{"type": "dihedral", "shell": "sheet", "hinges": "sheet.left", "value": 1.0}]},
-            "actuation[0]: drives no hinge of shell 'sheet', which has 62",
+            "actuation[0]: finds no hinge of shell 'sheet', which has 62",
         ),
         (
             {"forces": [{"type": "pressure", "shell": "sheet", "pressure": {"expression": "x"}}]},

@@ -38,6 +38,9 @@ SLOW = {
     "jellyfish_tentacles",
     "manta_ray",
     "parachute",
+    "s_shape",
+    "s_shape_ideal",
+    "serpentine",
     "snake",
 }
 

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from decks import Deck, line, rod_deck
 from numpy.testing import assert_allclose, assert_array_equal
+from rare_control import EACH, INCREMENTAL, RUN, SENSORS, bends, follows, reads_all
 from shell_decks import BELL, RUBBER, SHEET, rod, shell_deck
 
 from dismech_cli.compose.compose import Composition
@@ -521,7 +522,54 @@ SAMPLE = Rare(
     steps=draws_three,
 )
 
+CONTROL = {
+    "sensors": Rare(
+        SENSORS,
+        lambda made: None,
+        classes=frozenset(
+            {
+                "SensorProbe",
+                "StretchSensor",
+                "CurvatureSensor",
+                "TwistSensor",
+                "DihedralSensor",
+                "SurfaceCurvatureSensor",
+            }
+        ),
+        choices=frozenset(
+            {
+                *(
+                    ("strain", strain)
+                    for strain in ("curvature_1", "curvature_2", "twist", "dihedral", "surface_curvature")
+                ),
+                *(("measure", measure) for measure in ("mean", "rms", "max", "min")),
+            }
+        ),
+        steps=reads_all,
+    ),
+    "incremental": Rare(
+        INCREMENTAL,
+        lambda made: None,
+        classes=frozenset({"Incremental", "IncrementalGains"}),
+        choices=frozenset({("hold", "step"), ("measure", "reading")}),
+        steps=bends,
+    ),
+    "each": Rare(
+        EACH,
+        follows(1.0, 2.0),
+        choices=frozenset({("interpolation", "linear")}),
+        files={"each.csv": "t,a,b\n0,0,0\n0.01,2,4\n"},
+    ),
+    "run": Rare(
+        RUN,
+        follows(0.0, 0.0),
+        classes=frozenset({"RunTarget"}),
+        files={"run.csv": "0,0,0,1,0,2,0,3,0,-1,0\n"},
+    ),
+}
+
 RARE: dict[str, Rare] = {
+    **CONTROL,
     **LAWS,
     **BODIES,
     **{name: solved_by(name) for name in ("banded", "dense", "pardiso", "superlu")},

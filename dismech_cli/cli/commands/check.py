@@ -25,6 +25,7 @@ def check(
     ],
     overrides: options.Set = None,
     profile: options.ProfileOption = None,
+    plugins: options.Plugin = None,
     allow_outside: options.AllowOutside = False,
     junit: options.JUnit = None,
     json: options.Json = False,
@@ -49,6 +50,7 @@ def check(
                 overrides=tuple(overrides or ()),
                 profile=None if profile is None else profile.value,
                 allow_outside=allow_outside,
+                plugins=tuple(plugins or ()),
             )
         except DismechError as error:
             console.error(str(error))

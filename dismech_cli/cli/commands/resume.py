@@ -18,6 +18,7 @@ def resume(
     run_dir: options.RunDir,
     until: options.Until = None,
     overrides: options.Set = None,
+    plugins: options.Plugin = None,
     checkpoint_every: options.CheckpointEvery = 60.0,
     wall_limit: options.WallLimit = None,
     no_render: options.NoRender = False,
@@ -39,7 +40,14 @@ def resume(
         failures_in_junit(junit, run_dir.name),
     ):
         pause = Pause(until, wall_limit, checkpoint_every)
-        finished = proceed(run_dir, pause, console, tuple(overrides or ()), draw=not no_render)
+        finished = proceed(
+            run_dir,
+            pause,
+            console,
+            tuple(overrides or ()),
+            draw=not no_render,
+            plugins=tuple(plugins or ()),
+        )
     if junit is not None:
         write_junit(junit, finished)
     return show(finished, json, console.level)

@@ -15,6 +15,7 @@ EXAMPLES = """
 dismech run cantilever.yaml
 dismech run cantilever.yaml --set numerics.dt='1 ms' --profile draft
 dismech run cantilever.yaml -o out --overwrite --json
+dismech run following_arm.yaml --plugin follow.py
 dismech run jellyfish.yaml --wall-limit 2h --checkpoint-every 5m
 """
 
@@ -46,6 +47,7 @@ def run(
     deterministic: Annotated[
         bool, typer.Option("--deterministic", help="The same bits on every run of this machine.")
     ] = False,
+    plugins: options.Plugin = None,
     allow_outside: options.AllowOutside = False,
     no_render: options.NoRender = False,
     junit: options.JUnit = None,
@@ -74,6 +76,7 @@ def run(
         overwrite=overwrite,
         draw=not no_render,
         pause=Pause(until, wall_limit, checkpoint_every),
+        plugins=tuple(plugins or ()),
     )
     with (
         options.narrator(progress, quiet, verbose) as console,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Protocol
 
 import numpy as np
 
@@ -10,28 +11,53 @@ from ...arrays import BoolArray, FloatArray, IntArray
 from ...mesh.topology.shells import ShellTopology
 from ...model.driven import Drive
 from ...scenario.language.actuation import DihedralActuation, Tangential
+from ...scenario.text.tree import KeyPath
+from ...scenario.values.selection import Selection
 from ..scene import Scene
 from ..shells.bending import bending_of
 from ..shells.body import ShellBody
+from .following import Following, Ports, following
 
 
 def hinge_drives(
-    scene: Scene, body: ShellBody, index: int, actuation: DihedralActuation
+    scene: Scene, body: ShellBody, index: int, actuation: DihedralActuation, ports: Ports
 ) -> tuple[Drive, ...]:
     """Drives of the bending energy of a shell, whichever it is.
 
     Raises:
         ScenarioError: The actuation drives no hinge.
     """
-    hinges = _driven_hinges(scene, body.topology, index, actuation)
-    return tuple(_drives(scene, body, hinges, actuation))
+    hinges = chosen_hinges(scene, body.topology, ("actuation", index), actuation)
+    return tuple(_drives(scene, body, hinges, actuation, following(scene, ports, index, actuation.value)))
 
 
-def _driven_hinges(
-    scene: Scene, topology: ShellTopology, index: int, actuation: DihedralActuation
-) -> IntArray:
-    """Hinges of a shell that an actuation drives, in the order that s counts."""
-    path, nodes = ("actuation", index), scene.geometry.nodes
+class ChoosesHinges(Protocol):
+    """What acts on some hinges of a shell: an actuation or a sensor."""
+
+    @property
+    def shell(self) -> str:
+        """Name of the shell."""
+
+    @property
+    def hinges(self) -> Selection | None:
+        """Nodes that hold both ends of a hinge, or None for all."""
+
+    @property
+    def tangential(self) -> Tangential | None:
+        """What leaves only some of them."""
+
+    @property
+    def order_by(self) -> tuple[float, ...] | None:
+        """Direction along which they are counted."""
+
+
+def chosen_hinges(scene: Scene, topology: ShellTopology, path: KeyPath, actuation: ChoosesHinges) -> IntArray:
+    """Hinges of a shell that an actuation or a sensor acts on, in the order that s counts.
+
+    Raises:
+        ScenarioError: There is none.
+    """
+    nodes = scene.geometry.nodes
     edges = topology.hinges[:, :2]
     middle = nodes[edges].mean(axis=1)
     chosen = np.ones(len(edges), dtype=np.bool_)
@@ -42,7 +68,7 @@ def _driven_hinges(
         chosen &= _across(along, middle, actuation.tangential)
     hinges = np.flatnonzero(chosen)
     if hinges.size == 0:
-        raise scene.error(path, f"drives no hinge of shell '{actuation.shell}', which has {len(edges)}")
+        raise scene.error(path, f"finds no hinge of shell '{actuation.shell}', which has {len(edges)}")
     if actuation.order_by is None:
         return hinges
     return hinges[np.argsort(middle[hinges] @ np.array(actuation.order_by), kind="stable")]
@@ -57,7 +83,9 @@ def _across(along: FloatArray, middle: FloatArray, wanted: Tangential) -> BoolAr
     return across
 
 
-def _drives(scene: Scene, body: ShellBody, hinges: IntArray, actuation: DihedralActuation) -> Iterator[Drive]:
+def _drives(
+    scene: Scene, body: ShellBody, hinges: IntArray, actuation: DihedralActuation, follow: Following
+) -> Iterator[Drive]:
     """Drives of the natural angles; an energy of faces meets each hinge at two, as one of their sides."""
     bending, topology = bending_of(body.shell), body.topology
     place = np.arange(len(hinges)) / max(len(hinges) - 1, 1)
@@ -65,7 +93,7 @@ def _drives(scene: Scene, body: ShellBody, hinges: IntArray, actuation: Dihedral
 
     def drive(row: int, stencils: IntArray, members: IntArray) -> Drive:
         at = {"x": x[members], "y": y[members], "z": z[members], "r": np.hypot(x, y)[members]}
-        law = scene.laws(actuation.value, at)
+        law = follow(members, at)
         factors = np.full(len(members), bending.dihedral_factor)
         return Drive(row, stencils, law, place[members], factors)
 

@@ -10,6 +10,7 @@ from ...arrays import IntArray
 from ...run.observables import probes
 from ...scenario.language.probe import (
     ContactProbe,
+    ControlProbe,
     DisplacementProbe,
     DistanceProbe,
     EnergyProbe,
@@ -18,12 +19,16 @@ from ...scenario.language.probe import (
     PositionProbe,
     Probe,
     ReactionProbe,
+    SensorProbe,
+    ShapeProbe,
     StabilityProbe,
     TurnProbe,
     TwistProbe,
     VelocityProbe,
 )
 from ...scenario.text.tree import KeyPath
+from ..control.control import Control
+from ..control.probes import control_probe
 from ..scene import Scene
 from ..structure.structure import Structure
 from ..touching import named_pairs
@@ -42,24 +47,27 @@ _NUMBERS = {
 AXES = {"x": 0, "y": 1, "z": 2, "magnitude": None}
 
 
-def make_probes(scene: Scene, structure: Structure) -> dict[str, probes.Probe]:
+def make_probes(scene: Scene, structure: Structure, control: Control) -> dict[str, probes.Probe]:
     """The probes of the output, by name."""
     given = scene.scenario.output.probes
     return {
-        name: make_probe(scene, structure, probe, ("output", "probes", name)) for name, probe in given.items()
+        name: make_probe(scene, structure, control, probe, ("output", "probes", name))
+        for name, probe in given.items()
     }
 
 
-def make_watched(scene: Scene, structure: Structure) -> dict[str, probes.Probe]:
+def make_watched(scene: Scene, structure: Structure, control: Control) -> dict[str, probes.Probe]:
     """The probes of the expectations, by name."""
     given = scene.scenario.expect
     return {
-        name: make_probe(scene, structure, one.probe, ("expect", name, "probe"))
+        name: make_probe(scene, structure, control, one.probe, ("expect", name, "probe"))
         for name, one in given.items()
     }
 
 
-def make_probe(scene: Scene, structure: Structure, probe: Probe, path: KeyPath) -> probes.Probe:
+def make_probe(
+    scene: Scene, structure: Structure, control: Control, probe: Probe, path: KeyPath
+) -> probes.Probe:
     """Put a probe on its place.
 
     Raises:
@@ -97,6 +105,8 @@ def make_probe(scene: Scene, structure: Structure, probe: Probe, path: KeyPath) 
             return probes.LoadFactor()
         case ContactProbe():
             return _touch_probe(scene, probe, path)
+        case SensorProbe() | ControlProbe() | ShapeProbe():
+            return control_probe(scene, control, probe, path)
         case StabilityProbe():
             return probes.NegativeEigenvalues()
 

@@ -22,6 +22,8 @@ from ...scenario.language.motion import Twist
 from ...scenario.language.numerics import GeneralizedAlpha, Numerics, Static
 from ...scenario.language.probe import TwistProbe
 from ...scenario.language.scenario import Scenario
+from ...scenario.language.sensor import CurvatureSensor, TwistSensor
+from ...scenario.views.walk import probes
 from ..bodies.geometry import Geometry
 from ..scene import Scene
 from ..shells.bending import bending_of
@@ -227,8 +229,9 @@ def _needs_frames(scene: Scene, holds: tuple[Hold, ...]) -> str:
         return "a rod is held in rotation at more than one place"
     if "director" in scenario.output.fields or "twist" in scenario.output.fields:
         return "material directors or twist are written"
-    probes = [*scenario.output.probes.values(), *(e.probe for e in scenario.expect.values())]
-    if any(isinstance(probe, TwistProbe) for probe in probes):
+    if any(isinstance(sensor, CurvatureSensor | TwistSensor) for sensor in scenario.sensors.values()):
+        return "a sensor reads material curvature or twist"
+    if any(isinstance(probe, TwistProbe) for _, probe in probes(scenario)):
         return "a probe measures twist"
     return ""
 

@@ -20,6 +20,7 @@ from ..text.tree import KeyPath
 from ..values.law import PLACES, ExpressionLaw
 from ..views.walk import probes, walk
 from .contact import contact_findings
+from .control import control_findings
 from .finding import Finding
 from .names import name_findings
 from .pictures import picture_findings
@@ -47,6 +48,7 @@ def findings(scenario: Scenario) -> Iterator[Finding]:
     yield from picture_findings(scenario)
     yield from _expectations(scenario)
     yield from contact_findings(scenario)
+    yield from control_findings(scenario)
 
 
 def _seams(scenario: Scenario) -> Iterator[Finding]:

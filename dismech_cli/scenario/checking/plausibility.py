@@ -22,6 +22,7 @@ from ..language.surface import (
 )
 from ..values.varying import written
 from .contact import contact_doubts
+from .control import control_doubts
 from .finding import Finding
 
 SOFTEST, STIFFEST = 1e3, 1.3e12  # [Pa] jelly, diamond
@@ -37,6 +38,7 @@ def doubts(scenario: Scenario) -> Iterator[Finding]:
     yield from _slenderness(scenario)
     yield from _thinness(scenario)
     yield from contact_doubts(scenario)
+    yield from control_doubts(scenario)
     if not isinstance(scenario.numerics.integrator, Static):
         yield from _inertia(scenario)
     else:

@@ -5,13 +5,21 @@ from __future__ import annotations
 import math
 from typing import Annotated, Literal, TypeAlias
 
-from pydantic import Field
+from pydantic import Field, Tag
 
-from ..values.law import PLACES, LawSpec
-from ..values.law_of import LawOf
+from ..values.law import (
+    PLACES,
+    ExpressionLaw,
+    LawSpec,
+    RampLaw,
+    SawtoothLaw,
+    SineLaw,
+    TableLaw,
+)
+from ..values.law_of import FieldValue, LawOf
 from ..values.quantity import DirectionTriple, LengthTriple, Name, Quantity
 from ..values.selection import IndexRange, SelectedNodes
-from ..values.spec import Spec
+from ..values.spec import Spec, tag, told_by_key
 
 _ALONG = ("t", "s")
 
@@ -21,13 +29,34 @@ _JOINTS = Field(
 )
 
 
+class Controlled(Spec):
+    """What a controller commands."""
+
+    controlled_by: Name = Field(description="Name of the controller, which drives nothing else.")
+
+
+Driven: TypeAlias = Annotated[
+    Annotated[FieldValue, Tag("<constant>")]
+    | Annotated[TableLaw, Tag(tag("table"))]
+    | Annotated[RampLaw, Tag(tag("ramp"))]
+    | Annotated[SineLaw, Tag(tag("sine"))]
+    | Annotated[SawtoothLaw, Tag(tag("sawtooth"))]
+    | Annotated[ExpressionLaw, Tag(tag("expression"))]
+    | Annotated[Controlled, Tag(tag("controlled_by"))],
+    told_by_key("table", "ramp", "sine", "sawtooth", "expression", "controlled_by", scalar="<constant>"),
+]
+"""A law, or the command of a controller."""
+
+
 class StretchActuation(Spec):
     """Adds to the natural axial strain of the edges."""
 
     type: Literal["stretch"] = Field(description="Kind of strain.")
     rod: Name = Field(description="Name of the rod.")
     joints: IndexRange | None = _JOINTS
-    value: Annotated[LawSpec, LawOf("ratio", _ALONG)] = Field(description="Added strain.")
+    value: Annotated[Driven, LawOf("ratio", _ALONG)] = Field(
+        description="Added strain, or `{controlled_by: NAME}`."
+    )
 
 
 class CurvatureActuation(Spec):
@@ -36,7 +65,9 @@ class CurvatureActuation(Spec):
     type: Literal["curvature_1", "curvature_2"] = Field(description="Kind of strain.")
     rod: Name = Field(description="Name of the rod.")
     joints: IndexRange | None = _JOINTS
-    value: Annotated[LawSpec, LawOf("curvature", _ALONG)] = Field(description="Added curvature.")
+    value: Annotated[Driven, LawOf("curvature", _ALONG)] = Field(
+        description="Added curvature, or `{controlled_by: NAME}`."
+    )
 
 
 class TwistActuation(Spec):
@@ -45,7 +76,9 @@ class TwistActuation(Spec):
     type: Literal["twist"] = Field(description="Kind of strain.")
     rod: Name = Field(description="Name of the rod.")
     joints: IndexRange | None = _JOINTS
-    value: Annotated[LawSpec, LawOf("twist rate", _ALONG)] = Field(description="Added twist per length.")
+    value: Annotated[Driven, LawOf("twist rate", _ALONG)] = Field(
+        description="Added twist per length, or `{controlled_by: NAME}`."
+    )
 
 
 class Tangential(Spec):
@@ -70,9 +103,9 @@ class DihedralActuation(Spec):
         default=None,
         description="Direction along which s counts the driven hinges from 0 to 1; default: as numbered.",
     )
-    value: Annotated[LawSpec, LawOf("angle", (*_ALONG, *PLACES))] = Field(
+    value: Annotated[Driven, LawOf("angle", (*_ALONG, *PLACES))] = Field(
         description="Added angle between the two triangles; positive folds them toward the side of their "
-        "normals."
+        "normals. Or `{controlled_by: NAME}`."
     )
 
 
@@ -85,8 +118,9 @@ class SurfaceCurvatureActuation(Spec):
         default=None, description="Nodes: a triangle with all corners among them is driven; default: all."
     )
     along: DirectionTriple = Field(description="Direction that bends, laid into each triangle.")
-    value: Annotated[LawSpec, LawOf("curvature", ("t", *PLACES))] = Field(
-        description="Added curvature along it; positive bends toward the side of the normals."
+    value: Annotated[Driven, LawOf("curvature", ("t", *PLACES))] = Field(
+        description="Added curvature along it; positive bends toward the side of the normals. Or "
+        "`{controlled_by: NAME}`."
     )
     across: Annotated[LawSpec, LawOf("curvature", ("t", *PLACES))] = Field(
         default=0.0, description="The same across it, in the triangle."

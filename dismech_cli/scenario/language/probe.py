@@ -9,6 +9,7 @@ from pydantic import Field, Tag
 from ..values.quantity import Name, TwoNames
 from ..values.selection import SelectedEdges, SelectedNodes, TwoPlaces
 from ..values.spec import Spec, tag, told_by_key
+from .shape_file import ShapeFile
 
 Component: TypeAlias = Literal["x", "y", "z", "magnitude"]
 
@@ -94,6 +95,35 @@ class ContactProbe(Spec):
     )
 
 
+class SensorProbe(Spec):
+    """What a sensor would read without noise and delay, over all places where it reads."""
+
+    sensor: Name = Field(description="Name of the sensor.")
+    measure: Literal["mean", "rms", "max", "min"] = Field(
+        default="mean", description="Over its places: `rms` is the root of the mean square."
+    )
+
+
+class ControlProbe(Spec):
+    """How a controller does now: over all that it commands."""
+
+    controller: Name = Field(description="Name of the controller.")
+    measure: Literal["error", "command", "reading"] = Field(
+        description="`error` is the target less the strain there is, `reading` that strain without noise or "
+        "delay; `command` what is added to the natural strain."
+    )
+    over: Literal["rms", "max"] = Field(
+        default="rms", description="Root of the mean square, or the largest size, over its places."
+    )
+
+
+class ShapeProbe(Spec):
+    """Root mean square of the distances between the nodes of a body and where they shall be."""
+
+    shape: Name = Field(description="Name of the body.")
+    target: ShapeFile = Field(description="Where its nodes shall be.")
+
+
 class StabilityProbe(Spec):
     """Number of negative eigenvalues of the stiffness: 0 for a stable equilibrium; static only."""
 
@@ -112,6 +142,9 @@ Probe: TypeAlias = Annotated[
     | Annotated[TurnProbe, Tag(tag("turn"))]
     | Annotated[LoadFactorProbe, Tag(tag("load_factor"))]
     | Annotated[ContactProbe, Tag(tag("contact"))]
+    | Annotated[SensorProbe, Tag(tag("sensor"))]
+    | Annotated[ControlProbe, Tag(tag("controller"))]
+    | Annotated[ShapeProbe, Tag(tag("shape"))]
     | Annotated[StabilityProbe, Tag(tag("negative_eigenvalues"))],
     told_by_key(
         "displacement",
@@ -125,6 +158,9 @@ Probe: TypeAlias = Annotated[
         "turn",
         "load_factor",
         "contact",
+        "sensor",
+        "controller",
+        "shape",
         "negative_eigenvalues",
     ),
 ]
@@ -147,5 +183,7 @@ def quantity_of(probe: Probe) -> str:
             return "force"
         case StabilityProbe() | LoadFactorProbe():
             return "ratio"
-        case DisplacementProbe() | PositionProbe() | DistanceProbe() | MeanPositionProbe():
+        case SensorProbe() | ControlProbe():
+            return "strain"
+        case DisplacementProbe() | PositionProbe() | DistanceProbe() | MeanPositionProbe() | ShapeProbe():
             return "length"

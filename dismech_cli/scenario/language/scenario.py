@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from types import MappingProxyType
 from typing import Annotated, Any, Final, Literal, TypeAlias
 
@@ -14,6 +14,7 @@ from ..values.spec import Spec
 from .actuation import Actuation
 from .calibrate import Calibrate
 from .contact import Contact
+from .control import Controller
 from .expect import Expectation
 from .force import Force
 from .geometry import Body, Rod, Shell
@@ -26,6 +27,7 @@ from .motion import InitialVelocity, Motion
 from .numerics import Numerics
 from .obstacle import Obstacle
 from .output import Output
+from .sensor import Sensor
 from .study import Study
 from .sweep import Sweep
 
@@ -75,6 +77,10 @@ class Scenario(Spec):
     actuation: Annotated[tuple[Actuation, ...], Strict(False)] = Field(
         default=(), description="Natural strains that change in time."
     )
+    sensors: dict[Name, Sensor] = Field(default={}, description="What controllers read, by name.")
+    controllers: dict[Name, Controller] = Field(
+        default={}, description="What commands natural strains, by name; `actuation` says which."
+    )
     initial: Initial | None = Field(
         default=None, description="Where the run starts; default: at rest, in the rest shape."
     )
@@ -110,6 +116,21 @@ class Scenario(Spec):
             return data
         return {**data, "numerics": {**numerics, "integrator": dict(CONTACT_INTEGRATOR)}}
 
+    @model_validator(mode="before")
+    @classmethod
+    def _strains_of_controllers(cls, data: Any) -> Any:
+        """A controller's quantities are those of the strain that the actuation under it drives."""
+        if not isinstance(data, Mapping) or not isinstance(data.get("controllers"), Mapping):
+            return data
+        strains = dict(_commanded(data.get("actuation")))
+        told = {
+            name: {**one, "strain": strains[name]}
+            if isinstance(one, Mapping) and "strain" not in one and name in strains
+            else one
+            for name, one in data["controllers"].items()
+        }
+        return {**data, "controllers": told}
+
     @property
     def rods(self) -> dict[int, Rod]:
         """The rods by their place in ``geometry``."""
@@ -119,3 +140,12 @@ class Scenario(Spec):
     def shells(self) -> dict[int, Shell]:
         """The shells by their place in ``geometry``."""
         return {index: body for index, body in enumerate(self.geometry) if isinstance(body, Shell)}
+
+
+def _commanded(actuation: Any) -> Iterator[tuple[str, str]]:
+    """Names of the controllers that entries of ``actuation`` as written follow, and what they drive."""
+    for one in actuation if isinstance(actuation, list | tuple) else ():
+        value = one.get("value") if isinstance(one, Mapping) else None
+        name = value.get("controlled_by") if isinstance(value, Mapping) else None
+        if isinstance(name, str) and isinstance(one.get("type"), str):
+            yield name, one["type"]

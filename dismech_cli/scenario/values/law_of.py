@@ -14,6 +14,7 @@ from ...units import KINDS
 from ..text.tree import describe
 from .quantity import Quantity, to_si
 from .spec import problem
+from .strain import kind_here
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,7 +77,7 @@ def variables_here() -> tuple[str, ...]:
 
 
 def _read(value: object) -> float:
-    return to_si(value, KINDS[_FIELD.get(_PLAIN).name])
+    return to_si(value, kind_here(_FIELD.get(_PLAIN).name))
 
 
 FieldValue: TypeAlias = Annotated[float, _FieldQuantity()]

@@ -120,7 +120,7 @@ def _kind(part: dict[str, Any]) -> str:
         law = "law of " if part.get("x-law") else ""
         varies = "" if part.get("x-law", True) else ", may vary"
         unit = "" if part["x-unit"] == "1" else f" [{part['x-unit']}]"
-        return f"{law}{part['x-quantity'] if part['x-unit'] != '1' else 'number'}{unit}{varies}"
+        return f"{law}{'number' if part['x-quantity'] == 'ratio' else part['x-quantity']}{unit}{varies}"
     if "$ref" in part:
         name = part["$ref"].rpartition("/")[2]
         return f"[{name}](#{name.lower()})"

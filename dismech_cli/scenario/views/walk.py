@@ -11,14 +11,17 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from ...units import KINDS
+from ..language.control import Ideal, Incremental, Plugin, Positional
 from ..language.expect import Expectation, measured
 from ..language.numerics import Static
 from ..language.probe import Probe
 from ..language.scenario import Scenario
+from ..language.sensor import ProbeSensor
 from ..text.tree import KeyPath
 from ..values.law_of import LawOf, Pair
 from ..values.quantity import FileReference, Quantity
 from ..values.selection import Selection, Selects
+from ..values.strain import ANY, KIND_OF, StrainQuantity
 from ..values.varying import ByTable
 
 
@@ -45,6 +48,9 @@ def probes(scenario: Scenario) -> Iterator[tuple[KeyPath, Probe]]:
         yield ("output", "probes", name), probe
     for name, expectation in scenario.expect.items():
         yield ("expect", name, "probe"), expectation.probe
+    for name, sensor in scenario.sensors.items():
+        if isinstance(sensor, ProbeSensor):
+            yield ("sensors", name, "probe"), sensor.probe
     integrator = scenario.numerics.integrator
     if isinstance(integrator, Static) and integrator.path is not None and integrator.path.until is not None:
         yield ("numerics", "integrator", "path", "until", "probe"), integrator.path.until.probe
@@ -147,6 +153,10 @@ def _special(value: BaseModel, name: str) -> tuple[Any, ...]:
     match value:
         case Expectation() if name == "value":
             return (Quantity(measured(value.probe, value.reduce)),)
+        case Positional() | Ideal() | Incremental() | Plugin() if (
+            name in ("target", "limits") and value.strain
+        ):
+            return (LawOf(KIND_OF[value.strain]),)
         case ByTable(of="s") if name == "table":
             return (Pair("ratio"),)
         case _:
@@ -168,7 +178,10 @@ def _inner(annotation: Any) -> tuple[Any, ...]:
 
 
 def _unit(marks: tuple[Any, ...]) -> str:
+    told = next((mark.name for mark in marks if isinstance(mark, LawOf)), ANY)
     for mark in marks:
+        if isinstance(mark, StrainQuantity) and told != ANY:
+            return KINDS[told if mark.name == ANY else f"rate of {told}"].unit
         if isinstance(mark, Quantity | LawOf):
             return KINDS[mark.name].unit
     return ""

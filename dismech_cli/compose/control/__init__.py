@@ -1,0 +1,1 @@
+"""Controllers and sensors of the scenario as loops around the model."""

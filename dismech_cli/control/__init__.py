@@ -1,0 +1,1 @@
+"""Controllers and sensors: what closes a loop around a model; all memory is explicit."""

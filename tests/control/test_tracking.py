@@ -1,0 +1,271 @@
+"""Targets that move: laws, tables and other runs, and how well they are followed."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from control_decks import SCENARIOS, arm, composed, finished, positions
+from numpy.testing import assert_allclose, assert_array_equal
+
+import dismech_cli
+from dismech_cli import load
+from dismech_cli.compose.compose import compose
+from dismech_cli.control.target import Course
+from dismech_cli.output.read import read
+from dismech_cli.run.loop import Limits
+from dismech_cli.scenario.load import load_mapping
+from dismech_cli.session.narrator import Silent
+from dismech_cli.session.pause import Pause
+from dismech_cli.session.resume import proceed
+
+SNAKE = {
+    "schema_version": 1,
+    "name": "reference",
+    "dimension": 2,
+    "plane": "xy",
+    "materials": {"rubber": {"youngs_modulus": 2e6, "poisson_ratio": 0.5, "density": 1200}},
+    "geometry": [
+        {
+            "type": "rod",
+            "name": "body",
+            "material": "rubber",
+            "radius": 1e-3,
+            "generate": {"shape": "line", "from": [0, 0, 0], "to": [0.1, 0, 0], "nodes": 21},
+            "director": [0, 0, 1],
+        }
+    ],
+    "forces": [{"type": "resistive", "tangential": 0.01, "normal": 0.1}],
+    "actuation": [
+        {
+            "type": "curvature_2",
+            "rod": "body",
+            "value": {"expression": "40*sin(2*pi*t + 2*pi*s + pi/2)"},
+        }
+    ],
+    "numerics": {"integrator": {"type": "implicit_euler"}, "dt": 0.01, "t_end": 1.0},
+    "output": {"every": 0.01},
+}
+"""Where the table of the shipped scene is from."""
+
+
+@pytest.fixture(scope="module")
+def reference(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The run that the serpentine follows."""
+    folder = tmp_path_factory.mktemp("serpentine")
+    (folder / "reference.yaml").write_text(json.dumps(SNAKE))
+    dismech_cli.simulate(folder / "reference.yaml", out=folder / "reference")
+    return folder
+
+
+def target_of(composition: Any) -> Any:
+    (loop,) = composition.simulation.controls.loops
+    return loop.target
+
+
+def test_the_shipped_table_is_what_the_reference_run_did(reference: Path) -> None:
+    """Its numbers have five digits."""
+    table = target_of(compose(load(SCENARIOS / "serpentine.yaml")))
+    deck = json.loads(json.dumps(SNAKE))
+    deck["name"] = "follower"
+    deck["actuation"][0]["value"] = {"controlled_by": "wave"}
+    deck["controllers"] = {
+        "wave": {"type": "pi", "target": {"run": "reference"}, "gains": {"p": 1}, "period": 0.01}
+    }
+    run = target_of(composed(deck, reference))
+    for t in (0.0, 0.123, 0.5, 1.0, 2.0):
+        assert_allclose(table(t), run(t), atol=6e-4)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("overrides", "most"),
+    [
+        ((), 5e-3),
+        (("ideal",), 5e-4),
+    ],
+)
+def test_the_serpentine_follows(reference: Path, overrides: tuple[str, ...], most: float) -> None:
+    """Largest error of a joint of 5 mm after 0.3 s; nodes where those of the reference were after 1 s."""
+    deck = json.loads(json.dumps(SNAKE))
+    deck["actuation"][0]["value"] = {"controlled_by": "wave"}
+    sampled = {"smoothing": 0.01, "period": 1e-3}
+    deck["controllers"] = {
+        "wave": {
+            "type": "pi",
+            "target": {"run": "reference"},
+            "gains": {"p": 10, "i": 100},
+            **({"feedback": "ideal"} if overrides else sampled),
+        }
+    }
+    deck["numerics"]["dt"] = 1e-3
+    deck["output"] = {
+        "every": 0.01,
+        "probes": {"most": {"controller": "wave", "measure": "error", "over": "max"}},
+    }
+    report = finished(load_mapping(deck, directory=reference))
+    t = report.scalars["t"]
+    assert report.probes["most"][t > 0.3].max() * 5e-3 < most
+    with read(reference / "reference") as before:
+        there = np.array(before.positions[-1])
+    off = positions(report)[-1] - there
+    assert np.sqrt((off**2).mean()) < 5e-4
+
+
+def test_a_law_of_time_and_place_is_a_target() -> None:
+    target = target_of(composed(arm(bend={"target": {"expression": "3*t + s"}})))
+    assert_allclose(target(2.0), 6.0 + np.linspace(0.0, 1.0, 4), rtol=1e-15)
+
+
+def test_a_table_for_each_place(tmp_path: Path) -> None:
+    (tmp_path / "each.csv").write_text("t,a,b,c,d\n0,1,2,3,4\n1,2,4,6,8\n2,1,2,3,4\n")
+    law = {"each": {"file": "each.csv", "interpolation": "linear"}}
+    target = target_of(composed(arm(bend={"target": law}), tmp_path))
+    assert_allclose(target(0.5), [1.5, 3.0, 4.5, 6.0], rtol=1e-15)
+    assert_allclose(target(5.0), [1.0, 2.0, 3.0, 4.0], rtol=1e-15)
+
+
+def test_a_course_is_smooth_between_its_rows() -> None:
+    """A natural spline is exact to the fourth order away from its ends."""
+    errors = []
+    for count in (21, 41):
+        t = np.linspace(0.0, 1.0, count)
+        course = Course.of(t, np.sin(2.0 * np.pi * t)[:, None], "cubic")
+        fine = np.linspace(0.3, 0.7, 101)
+        errors.append(max(abs(course(x)[0] - np.sin(2.0 * np.pi * x)) for x in fine))
+    assert errors[0] / errors[1] > 2.0**3.5
+
+
+def test_a_shape_is_a_target_of_shells_too(tmp_path: Path) -> None:
+    """The angles of a folded sheet are what its hinges shall have."""
+    deck: dict[str, Any] = {
+        "schema_version": 1,
+        "name": "sheet",
+        "materials": {"m": {"youngs_modulus": 1e5, "poisson_ratio": 0.3, "density": 1000}},
+        "geometry": [
+            {
+                "type": "shell",
+                "name": "s",
+                "material": "m",
+                "thickness": 1e-3,
+                "bending": "hinge",
+                "generate": {
+                    "shape": "sheet",
+                    "origin": [0, 0, 0],
+                    "length": 0.2,
+                    "width": 0.1,
+                    "divisions": 2,
+                    "pattern": "alternating",
+                },
+            }
+        ],
+        "motions": [{"type": "clamp", "where": {"box": {"min": [0, 0, -1], "max": [0.1001, 1, 1]}}}],
+        "forces": [{"type": "area_damping", "coefficient": 5}],
+        "actuation": [{"type": "dihedral", "shell": "s", "value": {"controlled_by": "fold"}}],
+        "controllers": {
+            "fold": {
+                "type": "pi",
+                "feedback": "ideal",
+                "target": {"shape": {"file": "shape.csv"}},
+                "gains": {"p": 30},
+            }
+        },
+        "numerics": {"integrator": {"type": "implicit_euler"}, "dt": 0.02, "t_end": 4.0},
+        "output": {
+            "probes": {
+                "off": {"shape": "s", "target": {"file": "shape.csv"}},
+                "error": {"controller": "fold", "measure": "error", "over": "max"},
+            }
+        },
+    }
+    plain = {**deck, "actuation": [], "controllers": {}, "output": {}}
+    nodes = composed(plain).geometry.nodes.copy()
+    right = nodes[:, 0] > 0.1
+    nodes[right, 2] = 0.5 * (nodes[right, 0] - 0.1)
+    nodes[right, 0] = 0.1 + np.sqrt(0.75) * (nodes[right, 0] - 0.1)
+    np.savetxt(tmp_path / "shape.csv", nodes, delimiter=",", header="x,y,z", comments="")
+    report = finished(load_mapping(deck, directory=tmp_path))
+    # the fold along the middle is a straight line of the mesh, and rigid on either side of it
+    assert report.probes["off"][0] > 5e-3
+    assert report.probes["off"][-1] < 1e-4
+    assert report.probes["error"][-1] < 2e-3
+
+
+def test_a_sampled_loop_curls_a_strip() -> None:
+    """Surface curvature under feedback: the mean of what is read comes to the target."""
+    deck: dict[str, Any] = {
+        "schema_version": 1,
+        "name": "strip",
+        "materials": {"m": {"youngs_modulus": 1e5, "poisson_ratio": 0.3, "density": 1000}},
+        "geometry": [
+            {
+                "type": "shell",
+                "name": "s",
+                "material": "m",
+                "thickness": 2e-3,
+                "bending": "midedge",
+                "generate": {
+                    "shape": "sheet",
+                    "origin": [0, 0, 0],
+                    "length": 0.1,
+                    "width": 0.02,
+                    "divisions": 8,
+                    "pattern": "alternating",
+                },
+            }
+        ],
+        "motions": [{"type": "clamp", "where": "s.left"}],
+        "forces": [{"type": "area_damping", "coefficient": 5}],
+        "actuation": [
+            {
+                "type": "surface_curvature",
+                "shell": "s",
+                "along": [1, 0, 0],
+                "value": {"controlled_by": "curl"},
+            }
+        ],
+        "sensors": {"curl": {"strain": "surface_curvature", "shell": "s", "along": [1, 0, 0]}},
+        "controllers": {
+            "curl": {
+                "type": "pi",
+                "sensor": "curl",
+                "target": 10.0,
+                "gains": {"p": 0.5},
+                "smoothing": 0.01,
+                "period": 0.05,
+            }
+        },
+        "numerics": {"integrator": {"type": "implicit_euler"}, "dt": 0.05, "t_end": 3.0},
+        "output": {
+            "probes": {
+                "mean": {"sensor": "curl"},
+                "spread": {"controller": "curl", "measure": "error"},
+            }
+        },
+    }
+    report = finished(load_mapping(deck))
+    assert report.probes["mean"][-1] == pytest.approx(10.0, rel=0.02)
+    assert report.probes["spread"][-1] < 0.1 * 10.0
+
+
+def test_a_followed_run_is_kept_with_the_run_that_follows_it(tmp_path: Path, reference: Path) -> None:
+    """It goes on bit by bit when the run that it follows is gone."""
+    deck = json.loads(json.dumps(SNAKE))
+    deck["name"] = "follower"
+    deck["actuation"][0]["value"] = {"controlled_by": "wave"}
+    deck["controllers"] = {
+        "wave": {"type": "pi", "target": {"run": "before"}, "gains": {"p": 1, "i": 10}, "period": 0.01}
+    }
+    deck["numerics"]["t_end"] = 0.2
+    shutil.copytree(reference / "reference", tmp_path / "before")
+    (tmp_path / "scene.yaml").write_text(json.dumps(deck))
+    straight = dismech_cli.simulate(tmp_path / "scene.yaml", out=tmp_path / "straight")
+    dismech_cli.simulate(tmp_path / "scene.yaml", out=tmp_path / "out", limits=Limits(until=0.1))
+    shutil.rmtree(tmp_path / "before")
+    assert proceed(tmp_path / "out", Pause(None, None, 60.0), Silent()).record.ending.code == 0
+    with read(tmp_path / "out") as run:
+        assert_array_equal(run.state("q")[-1], straight.state.q)
