@@ -59,6 +59,24 @@ def test_samples_are_taken_at_their_times_whatever_the_step(dt: float) -> None:
     assert_allclose([t for t, _ in asked], 0.02 * np.arange(20), atol=1e-15)
 
 
+ADAPTIVE = {"dt": None, "integrator": {"type": "tr_bdf2"}}
+"""Steps as long as their error allows."""
+
+
+@pytest.mark.parametrize("rtol", [1e-2, 1e-4])
+def test_steps_that_adapt_end_at_samples_too(rtol: float) -> None:
+    deck = arm(numerics=ADAPTIVE | {"step": {"rtol": rtol}})
+    assert_allclose([t for t, _ in followed(composed(deck).simulation)], 0.02 * np.arange(20), atol=1e-15)
+
+
+def test_steps_that_adapt_come_to_the_same_shape() -> None:
+    """To what their tolerance allows, over a motion of some millimetres."""
+    fixed = finished(load_mapping(arm(numerics={"dt": 0.001, "integrator": {"type": "tr_bdf2"}})))
+    adapted = finished(load_mapping(arm(numerics=ADAPTIVE)))
+    assert np.ptp(positions(fixed)[:, -1, 2]) > 4e-3
+    assert_allclose(positions(adapted)[-1], positions(fixed)[-1], atol=2e-5)
+
+
 def test_a_cut_step_samples_once() -> None:
     """Newton may take but two iterations at first: steps are cut, samples are not."""
     deck = arm(bend={"target": 30.0}, numerics={"dt": 0.02, "step": {"patience": 2}})
@@ -130,9 +148,14 @@ def last(run_dir: Path) -> dict[str, np.ndarray]:
 
 
 @pytest.mark.parametrize("until", [0.1, 0.13, 0.35])
-@pytest.mark.parametrize("kind", ["sampled", "noisy", "ideal"])
+@pytest.mark.parametrize("kind", ["sampled", "noisy", "ideal", "adaptive"])
 def test_stopped_and_resumed_is_the_same_run_bit_by_bit(tmp_path: Path, kind: str, until: float) -> None:
-    deck = {"sampled": arm(), "noisy": arm(**NOISY), "ideal": ideal({"p": 10.0, "i": 50.0})}[kind]
+    deck = {
+        "sampled": arm(),
+        "noisy": arm(**NOISY),
+        "ideal": ideal({"p": 10.0, "i": 50.0}),
+        "adaptive": arm(numerics=ADAPTIVE),
+    }[kind]
     scene = tmp_path / "scene.yaml"
     scene.write_text(json.dumps(deck))
     dismech_cli.simulate(scene, out=tmp_path / "straight")
