@@ -47,6 +47,7 @@ def make_changing(scene: Scene, structure: Structure) -> Changing:
     from .contact.contact import make_contact
     from .contact.doubts import depth_check, start_doubts
     from .contact.face_doubts import crossing_checks
+    from .contact.surface_doubts import surface_checks
 
     contact = make_contact(scene, structure)
     return Changing(
@@ -56,6 +57,6 @@ def make_changing(scene: Scene, structure: Structure) -> Changing:
         touched=Touched(
             WORST, (PAIRS, LISTED), contact.pairs, contact.lines.nodes[:, 0], contact.rule.tolerance
         ),
-        checks=(depth_check(contact), *crossing_checks(contact)),
+        checks=(depth_check(contact), *crossing_checks(contact), *surface_checks(scene, contact)),
         warnings=tuple(start_doubts(scene, structure, contact)),
     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -11,10 +11,8 @@ from ..arrays import FloatArray, IntArray
 from .faces import Faces
 from .loops import Near
 from .points import Points
+from .secant import with_secant
 from .surface import Faced, Junctions, Shared
-
-# The secant is that of so much of the reach where a line passes through what it faces.
-_NEAR = 1e-3
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,19 +66,7 @@ class Facing:
         full_reach[rows], full_factor[rows] = reach, factor
         faced = Faced(which, self.nodes, full_reach, full_factor, self.junctions, shared)
         triangles, sides, corners = near.points(faced)
-        yield 0, _stiff(triangles, full_reach[triangles.item]), triangles.item
+        yield 0, with_secant(triangles, full_reach[triangles.item]), triangles.item
         for kind, points, of in ((1, sides, shared.side_owner), (2, corners, shared.corner_owner)):
             owner = of[points.item]
-            yield kind, _stiff(points, full_reach[owner]), owner
-
-
-def _stiff(points: Points, reach: FloatArray) -> Points:
-    """The same with the stiffness of the secant from where nothing touches, reach [m] of each point.
-
-    From deep inside a tangent overshoots to where nothing touches, and Newton's method goes to and fro.
-    Curvature across the gap is left out: what is taken off again would make matrices indefinite (Gauss and
-    Newton).
-    """
-    distance = np.maximum(np.sqrt((points.gap * points.gap).sum(axis=0)), _NEAR * reach)
-    along = points.along * 0.5 * (reach + distance) / distance
-    return replace(points, along=along, bend=np.zeros_like(points.bend))
+            yield kind, with_secant(points, full_reach[owner]), owner

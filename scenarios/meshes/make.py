@@ -127,11 +127,25 @@ def text(nodes: np.ndarray, edges: list[tuple[int, int]], triangles: object) -> 
     return "\n".join(lines) + "\n"
 
 
+def stool(sides: int = 8) -> str:
+    """A closed stump of unit height, half as wide at the foot and a little less at the top."""
+    angle = 2.0 * np.pi * (np.arange(sides) + 0.5) / sides
+    ring = np.column_stack((np.cos(angle), np.sin(angle)))
+    rings = [np.column_stack((r * ring, np.full(sides, z))) for r, z in ((0.25, 0.0), (0.2, 1.0))]
+    nodes = np.concatenate((*rings, [[0.0, 0.0, 0.0], [0.0, 0.0, 1.0]]))
+    foot, top, triangles = 2 * sides, 2 * sides + 1, []
+    for a in range(sides):
+        b = (a + 1) % sides
+        triangles += [(a, b, b + sides), (a, b + sides, a + sides), (b, a, foot), (a + sides, b + sides, top)]
+    return text(nodes, [], triangles)
+
+
 MESHES = {
     "parachute.txt": parachute,
     "manta_ray.txt": manta_ray,
     "kirigami.txt": kirigami,
     "t_fin.txt": t_fin,
+    "stool.txt": stool,
 }
 
 if __name__ == "__main__":

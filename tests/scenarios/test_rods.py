@@ -26,6 +26,7 @@ SLOW = {
     "entanglement_gripper",
     "overhand_knot",
     "draped_rope",
+    "draped_cloth",
     "rod_drop",
     "capstan",
     "cantilever_dynamic_1e5",

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Protocol
 
 import numpy as np
 
@@ -30,6 +31,7 @@ from ...scenario.language.surface import (
     HemisphereSurface,
     SheetSurface,
     SphereSurface,
+    Surface,
 )
 from ...scenario.text.tree import KeyPath
 from .mesh import BodyMesh, part_of_file
@@ -84,7 +86,19 @@ def shell_properties(shell: Shell, path: KeyPath, material: Material, sample: Sa
     )
 
 
-def shell_mesh(shell: Shell, directory: Path) -> BodyMesh:
+class Source(Protocol):
+    """Where a surface comes from: one of both."""
+
+    @property
+    def generate(self) -> Surface | None:
+        """It is generated."""
+
+    @property
+    def mesh(self) -> SurfaceFile | None:
+        """It is read from a file."""
+
+
+def shell_mesh(shell: Source, directory: Path) -> BodyMesh:
     """Generate or read the surface; its rims are the group ``boundary``, lips of slits the group ``slits``.
 
     Raises:
@@ -137,7 +151,7 @@ def _read(source: SurfaceFile, directory: Path) -> BodyMesh:
     return replace(part, mesh=replace(part.mesh, triangles=triangles, notes=notes))
 
 
-def _generated(shell: Shell) -> Mesh:
+def _generated(shell: Source) -> Mesh:
     match shell.generate:
         case SheetSurface() as s:
             mesh = sheet(s.length, s.width, s.divisions, Pattern(s.pattern))

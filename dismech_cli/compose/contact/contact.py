@@ -73,7 +73,7 @@ def _walls(
     scene: Scene, structure: Structure, lines: Lines, stiffness: FloatArray, pairs: list[Pair]
 ) -> list[Wall]:
     walls = []
-    for index, one in enumerate(scene.scenario.obstacles):
+    for index in range(len(scene.scenario.obstacles)):
         mine = [pair for pair in pairs if pair.second == index]
         if not mine:
             continue
@@ -84,7 +84,7 @@ def _walls(
         bodies = lines.bodies[numbers]
         walls.append(
             Wall(
-                obstacle=make_obstacle(scene, one),
+                obstacle=make_obstacle(scene, index),
                 lines=lines.some(numbers),
                 numbers=numbers,
                 stiffness=stiffness[numbers],

@@ -15,6 +15,7 @@ from ...run.validity import Check
 from ..scene import Scene
 from ..structure.structure import Structure
 from .face_doubts import face_doubts
+from .surface_doubts import surface_doubts
 from .words import ROUNDING, nearer_than_thick, starts_within
 
 
@@ -68,6 +69,7 @@ def start_doubts(scene: Scene, structure: Structure, contact: Contact) -> Iterat
                 )
     if contact.neighbours is not None:
         yield from _bodies_within(scene, contact, contact.neighbours, x)
+    yield from surface_doubts(scene, contact, x)
     if contact.faces is not None:
         yield from face_doubts(scene, contact, contact.faces, x)
 

@@ -9,8 +9,10 @@ from pydantic import Field, Strict, model_validator
 
 from ..values.law import AngleLaw, LawSpec
 from ..values.law_of import LawOf
-from ..values.quantity import Angle, DirectionTriple, LengthTriple, Name, PositiveLength
-from ..values.spec import Spec, problem
+from ..values.quantity import Angle, DirectionTriple, LengthTriple, Name, PositiveLength, Quantity
+from ..values.spec import Spec, exactly_one, exclusive, problem
+from .geometry import SurfaceFile
+from .surface import Surface
 
 Sizes: TypeAlias = LengthTriple
 Way: TypeAlias = Annotated[LawSpec, LawOf("length")]
@@ -107,7 +109,32 @@ class BoxObstacle(Spec):
         return self
 
 
+class MeshObstacle(Spec):
+    """A rigid surface of triangles, touched from both sides."""
+
+    model_config = exclusive(("generate", "mesh"))
+
+    name: Name = Field(description="Name.")
+    type: Literal["mesh"] = Field(description="Kind of obstacle.")
+    mesh: SurfaceFile | None = Field(default=None, description="Surface from a file; this or `generate`.")
+    generate: Surface | None = Field(default=None, description="Surface; this or `mesh`.")
+    thickness: Annotated[float, Quantity("length", ge=0)] = Field(
+        default=0.0, description="Of the surface, half of it on either side."
+    )
+    solid: bool = Field(
+        default=False,
+        description="Whether the surface is that of a solid: it must be closed then, and what is inside is "
+        "told. It does not push out what starts inside.",
+    )
+    motion: ObstacleMotion | None = Field(default=None, description="How it moves; default: never.")
+
+    @model_validator(mode="after")
+    def _one(self) -> MeshObstacle:
+        exactly_one(self, "generate", "mesh")
+        return self
+
+
 Obstacle: TypeAlias = Annotated[
-    PlaneObstacle | SphereObstacle | CylinderObstacle | CapsuleObstacle | BoxObstacle,
+    PlaneObstacle | SphereObstacle | CylinderObstacle | CapsuleObstacle | BoxObstacle | MeshObstacle,
     Field(discriminator="type"),
 ]

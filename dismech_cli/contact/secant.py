@@ -1,0 +1,25 @@
+"""Stiffness of points of contact with surfaces: that of the secant."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from ..arrays import FloatArray
+from .points import Points
+
+# The secant is that of so much of the reach where a line passes through what it faces.
+_NEAR = 1e-3
+
+
+def with_secant(points: Points, reach: FloatArray) -> Points:
+    """The same with the stiffness of the secant from where nothing touches, reach [m] of each point.
+
+    From deep inside a tangent overshoots to where nothing touches, and Newton's method goes to and fro.
+    Curvature across the gap is left out: what is taken off again would make matrices indefinite (Gauss and
+    Newton).
+    """
+    distance = np.maximum(np.sqrt((points.gap * points.gap).sum(axis=0)), _NEAR * reach)
+    along = points.along * 0.5 * (reach + distance) / distance
+    return replace(points, along=along, bend=np.zeros_like(points.bend))
