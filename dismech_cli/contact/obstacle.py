@@ -8,7 +8,9 @@ from typing import Protocol
 import numpy as np
 
 from ..arrays import FloatArray
-from .cores import Core
+from .barrier import Closest
+from .closest import closest_to_rigid
+from .cores import Core, whole
 from .points import Points, flat_points, round_points
 from .pose import Frame, Pose
 
@@ -28,6 +30,16 @@ class Shape(Protocol):
 
     def gaps(self, start: FloatArray, slope: FloatArray) -> FloatArray:
         """Least distance of each line from the surface [m], shape (E,); below zero inside."""
+
+    @property
+    def rounding(self) -> float:
+        """How far the surface is from the core that :meth:`closest` tells of [m]."""
+
+    def closest(self, start: FloatArray, slope: FloatArray, more: FloatArray) -> Closest:
+        """Closest points of lines and of their ends with the core; their items are the lines.
+
+        What is farther away than ``more`` [m], shape (E,), may be left out.
+        """
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,6 +65,21 @@ class HalfSpace:
         lower: FloatArray = np.minimum(height, height + growth)
         return lower
 
+    @property
+    def rounding(self) -> float:
+        """None."""
+        return 0.0
+
+    def closest(self, start: FloatArray, slope: FloatArray, more: FloatArray) -> Closest:
+        """Feet of the ends on the plane; inside of it the gap is nothing."""
+        n, zero = self.normal[:, None], np.zeros_like(start)
+        height, growth = self.normal @ (start - self.point[:, None]), self.normal @ slope
+        lower, upper = (
+            whole(n * np.maximum(one, 0.0), zero, self.normal, 0.0, 1.0) for one in (height, height + growth)
+        )
+        found = closest_to_rigid(lower, (lower, upper), start.shape[1])
+        return found.some(np.arange(2 * start.shape[1]))
+
 
 @dataclass(frozen=True, slots=True)
 class Rounded:
@@ -73,6 +100,17 @@ class Rounded:
     def gaps(self, start: FloatArray, slope: FloatArray) -> FloatArray:
         """Distance of each line."""
         return self.core.pieces(start, slope).nearest(start.shape[1]) - self.radius
+
+    @property
+    def rounding(self) -> float:
+        """The radius."""
+        return self.radius
+
+    def closest(self, start: FloatArray, slope: FloatArray, more: FloatArray) -> Closest:
+        """Closest points with the core."""
+        nowhere = np.zeros_like(slope)
+        ends = self.core.pieces(start, nowhere), self.core.pieces(start + slope, nowhere)
+        return closest_to_rigid(self.core.pieces(start, slope), ends, start.shape[1])
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,6 +139,13 @@ class Obstacle:
         """Least distance of each line from the surface at time ``t`` [m], shape (E,)."""
         frame = self.pose.at(t)
         return self.shape.gaps(frame.inward(start), frame.turn.T @ slope)
+
+    def closest(self, t: float, start: FloatArray, slope: FloatArray, more: FloatArray) -> Closest:
+        """Closest points of lines in space with the core at time ``t`` [s]; see :class:`Shape`."""
+        frame = self.pose.at(t)
+        found = self.shape.closest(frame.inward(start), frame.turn.T @ slope, more)
+        spread = np.einsum("ij,njk->nik", frame.turn, found.spread)
+        return replace(found, gap=frame.turned(found.gap), e=frame.turned(found.e), spread=spread)
 
 
 def _outward(points: Points, frame: Frame) -> Points:

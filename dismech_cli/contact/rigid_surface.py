@@ -7,13 +7,15 @@ nothing of that gives way, so that a line couples its own two nodes only.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Final
 
 import numpy as np
 from scipy.spatial import KDTree
 
 from ..arrays import FloatArray, IntArray
+from .barrier import Closest
+from .closest import closest_to_rigid
 from .cores import beside, facing_node
 from .facing_triangle import facing
 from .pieces import Pieces
@@ -117,6 +119,21 @@ class RigidSurface:
             for part in np.array_split(pairs, max(len(pairs) // _TOGETHER, 1)):
                 np.minimum.at(out, part[:, 0], self._facing(start, slope, part).nearest(len(part)))
         return np.asarray(out - self.half)
+
+    @property
+    def rounding(self) -> float:
+        """Half of the thickness."""
+        return self.half
+
+    def closest(self, start: FloatArray, slope: FloatArray, more: FloatArray) -> Closest:
+        """Closest points with every triangle nearby."""
+        pairs = self._near(start, slope, more)
+        line, nowhere = pairs[:, 0], np.zeros((3, len(pairs)))
+        own, along = start[:, line], slope[:, line]
+        corners = np.ascontiguousarray(self.vertices[self.triangles[pairs[:, 1]]].transpose(1, 2, 0))
+        ends = facing(own, nowhere, corners), facing(own + along, nowhere, corners)
+        found = closest_to_rigid(facing(own, along, corners), ends, len(pairs))
+        return replace(found, item=line[found.item])
 
     def _near(self, start: FloatArray, slope: FloatArray, reach: FloatArray) -> IntArray:
         """Pairs of a line and a triangle that may be within reach [m], ascending, shape (P, 2)."""

@@ -1,0 +1,226 @@
+"""Pairs that must keep a distance: edges of rods and shells, and nodes of shells with triangles."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from ..arrays import FloatArray, IntArray
+from ..kinematics.dofs import DofMap
+from .barrier import Closest
+from .candidates import among
+from .closest import closest_of_points, closest_of_segments
+from .faces import Faces
+from .neighbours import Neighbours
+
+
+@dataclass(frozen=True, slots=True)
+class Traits:
+    """What pairs are made of.
+
+    Attributes:
+        thickness: Distance at which they touch [m], shape (K,).
+        stiffness: k at factor one [N/m], shape (K,).
+        friction: Coefficients, shape (K,).
+        labels: Numbers of the pairs of bodies, shape (K,).
+        signs: 1 where the first is of the first of these, else -1, shape (K,).
+    """
+
+    thickness: FloatArray
+    stiffness: FloatArray
+    friction: FloatArray
+    labels: IntArray
+    signs: FloatArray
+
+
+class Pairing(Protocol):
+    """Pairs of a kind, told by keys."""
+
+    @property
+    def name(self) -> str:
+        """Under which checkpoints have them."""
+
+    @property
+    def map(self) -> DofMap:
+        """Numbering of the DOFs."""
+
+    @property
+    def thick(self) -> float:
+        """Largest distance at which any pair touches [m]."""
+
+    def search(self, x: FloatArray, more: float) -> IntArray:
+        """Keys of pairs that may touch or be ``more`` [m] farther apart, ascending."""
+
+    def nodes(self, keys: IntArray) -> IntArray:
+        """The four nodes of each pair, shape (K, 4)."""
+
+    def closest(self, ends: FloatArray) -> Closest:
+        """Closest points of pairs with nodes (4, 3, K) [m]."""
+
+    def traits(self, keys: IntArray) -> Traits:
+        """What they are made of."""
+
+
+@dataclass(frozen=True, slots=True)
+class RodEdges:
+    """Edges of rods; implements :class:`Pairing`."""
+
+    all: Neighbours
+    name: str = "contact.guarded.rods"
+
+    @property
+    def map(self) -> DofMap:
+        """Numbering of the DOFs."""
+        return self.all.map
+
+    @property
+    def thick(self) -> float:
+        """Largest distance at which any pair touches [m]."""
+        return 2.0 * float(self.all.lines.radii[self.all.numbers].max(initial=0.0))
+
+    def search(self, x: FloatArray, more: float) -> IntArray:
+        """Keys of pairs that may touch or be ``more`` [m] farther apart, ascending."""
+        return np.sort(self.all.keys(self.all.search(x, more)))
+
+    def nodes(self, keys: IntArray) -> IntArray:
+        """The four nodes of each pair."""
+        return self.all.lines.nodes[self.all.pairs(keys)].reshape(-1, 4)
+
+    def closest(self, ends: FloatArray) -> Closest:
+        """Closest points of pairs."""
+        return closest_of_segments(ends)
+
+    def traits(self, keys: IntArray) -> Traits:
+        """What they are made of."""
+        every, pairs = self.all, self.all.pairs(keys)
+        one, other = every.lines.bodies[pairs].T
+        stiff = (every.stiffness * every.lines.lengths)[pairs].max(axis=1)
+        labels = every.labels[one, other]
+        return Traits(every.reach(pairs), stiff, every.friction[one, other], labels, every.signs[one, other])
+
+
+@dataclass(frozen=True, slots=True)
+class SheetEdges:
+    """Edges of rods and shells with those of shells; implements :class:`Pairing`.
+
+    Attributes:
+        all: Who may touch shells.
+        sides: Lines that are the sides of each triangle, shape (T, 3).
+        excluded: Keys of pairs that are too near along a body, ascending.
+    """
+
+    all: Faces
+    sides: IntArray
+    excluded: IntArray
+    name: str = "contact.guarded.edges"
+
+    @property
+    def map(self) -> DofMap:
+        """Numbering of the DOFs."""
+        return self.all.map
+
+    @property
+    def thick(self) -> float:
+        """Largest distance at which any pair touches [m]."""
+        return 2.0 * float(self.all.lines.radii[self.all.numbers].max(initial=0.0))
+
+    def search(self, x: FloatArray, more: float) -> IntArray:
+        """Keys of pairs that may touch or be ``more`` [m] farther apart, ascending."""
+        line, face = self.all.pairs(self.all.search(x, more)).T
+        keys = self.keys(np.repeat(line, 3), self.sides[face].reshape(-1))
+        return keys[~among(keys, self.excluded)]
+
+    def keys(self, one: IntArray, other: IntArray) -> IntArray:
+        """Keys of pairs of lines, the lower number first, ascending, each once."""
+        low, high = np.minimum(one, other), np.maximum(one, other)
+        return np.unique(low * len(self.all.lines.nodes) + high)
+
+    def nodes(self, keys: IntArray) -> IntArray:
+        """The four nodes of each pair."""
+        return self.all.lines.nodes[self._pairs(keys)].reshape(-1, 4)
+
+    def closest(self, ends: FloatArray) -> Closest:
+        """Closest points of pairs."""
+        return closest_of_segments(ends)
+
+    def traits(self, keys: IntArray) -> Traits:
+        """What they are made of."""
+        every, pairs = self.all, self._pairs(keys)
+        lines, one, other = every.lines, *every.lines.bodies[pairs].T
+        own = np.where(one == other, every.own_reach[pairs].min(axis=1), np.inf)
+        stiff = (lines.lengths * lines.weights)[pairs]
+        # rods come first, and never are what is faced
+        scale = every.stiffness[one, other] * stiff.max(axis=1)
+        thickness = np.minimum(lines.radii[pairs].sum(axis=1), own)
+        labels = every.labels[one, other]
+        return Traits(thickness, scale, every.friction[one, other], labels, every.signs[one, other])
+
+    def _pairs(self, keys: IntArray) -> IntArray:
+        return np.stack(np.divmod(keys, len(self.all.lines.nodes)), axis=1)
+
+
+@dataclass(frozen=True, slots=True)
+class SheetNodes:
+    """Nodes of rods and shells with triangles of shells; implements :class:`Pairing`.
+
+    Attributes:
+        all: Who may touch shells.
+        ends: A line of each node, shape (N,), -1 where there is none.
+        excluded: Keys of nodes and triangles that are too near along a body, ascending.
+        own_reach: Most that the reach of a node to its own body may be [m], shape (N,).
+    """
+
+    all: Faces
+    ends: IntArray
+    excluded: IntArray
+    own_reach: FloatArray
+    name: str = "contact.guarded.nodes"
+
+    @property
+    def map(self) -> DofMap:
+        """Numbering of the DOFs."""
+        return self.all.map
+
+    @property
+    def thick(self) -> float:
+        """Largest distance at which any pair touches [m]."""
+        every = self.all
+        return float(every.lines.radii[every.numbers].max(initial=0.0) + every.surface.halves.max())
+
+    def search(self, x: FloatArray, more: float) -> IntArray:
+        """Keys of pairs that may touch or be ``more`` [m] farther apart, ascending."""
+        line, face = self.all.pairs(self.all.search(x, more)).T
+        keys = self.keys(self.all.lines.nodes[line], face[:, None])
+        return keys[~among(keys, self.excluded)]
+
+    def keys(self, nodes: IntArray, faces: IntArray) -> IntArray:
+        """Keys of nodes and triangles, ascending, each once."""
+        return np.unique(nodes * len(self.all.surface.nodes) + faces)
+
+    def nodes(self, keys: IntArray) -> IntArray:
+        """The node and the corners."""
+        node, face = self._pairs(keys)
+        return np.column_stack((node, self.all.surface.nodes[face]))
+
+    def closest(self, ends: FloatArray) -> Closest:
+        """Closest points of pairs."""
+        return closest_of_points(ends[0], ends[1:])
+
+    def traits(self, keys: IntArray) -> Traits:
+        """What they are made of."""
+        every, (node, face) = self.all, self._pairs(keys)
+        line = self.ends[node]
+        pairs = np.column_stack((line, face))
+        one, other = every.bodies(pairs)
+        own = np.where(one == other, self.own_reach[node], np.inf)
+        thickness = np.minimum(every.thickness(pairs), own)
+        labels = every.labels[one, other]
+        return Traits(
+            thickness, every.factor(pairs), every.friction[one, other], labels, every.signs[one, other]
+        )
+
+    def _pairs(self, keys: IntArray) -> tuple[IntArray, IntArray]:
+        node, face = np.divmod(keys, len(self.all.surface.nodes))
+        return node, face
