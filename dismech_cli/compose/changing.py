@@ -57,6 +57,6 @@ def make_changing(scene: Scene, structure: Structure) -> Changing:
         touched=Touched(
             WORST, (PAIRS, LISTED), contact.pairs, contact.lines.nodes[:, 0], contact.rule.tolerance
         ),
-        checks=(depth_check(contact), *crossing_checks(contact), *surface_checks(scene, contact)),
+        checks=(depth_check(scene, contact), *crossing_checks(contact), *surface_checks(scene, contact)),
         warnings=tuple(start_doubts(scene, structure, contact)),
     )

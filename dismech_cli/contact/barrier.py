@@ -16,6 +16,8 @@ from ..arrays import BoolArray, FloatArray, IntArray
 from ..geometry.kernel import kernel
 from .points import Points
 
+_ROOM = 1e-6
+
 
 @kernel
 def barrier(gap: Any, reach: Any, stiffness: Any) -> Any:
@@ -40,6 +42,24 @@ def barrier(gap: Any, reach: Any, stiffness: Any) -> Any:
         np.where(inside, -np.inf, slope),
         np.where(inside, np.inf, curvature),
     )
+
+
+@dataclass(frozen=True, slots=True)
+class Stop:
+    """What distance is kept, as shares of that at which things touch.
+
+    Attributes:
+        least: Nothing comes nearer.
+        begin: Where the barrier begins.
+    """
+
+    least: float
+    begin: float
+
+    @property
+    def nearest(self) -> float:
+        """Where motion is stopped: far enough from the stop for rounding."""
+        return self.least + _ROOM * (self.begin - self.least)
 
 
 @dataclass(frozen=True, slots=True)

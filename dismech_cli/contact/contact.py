@@ -16,6 +16,7 @@ from ..model.configuration import Configuration
 from ..model.term import BoundChanging, Memory
 from ..model.touch import Touch
 from .faces import Faces
+from .guarding import Guarding
 from .lines import Lines
 from .loops import Loops, loops_of
 from .near_wall import NearWall
@@ -58,6 +59,7 @@ class Contact:
         faces: What may touch shells; None if nothing may.
         rule: Decides on the stiffness.
         friction: None where all is smooth.
+        guards: What keeps things at a distance.
         pairs: Names of the pairs of bodies.
     """
 
@@ -68,6 +70,7 @@ class Contact:
     faces: Faces | None
     rule: Rule
     friction: Friction | None
+    guards: Guarding
     pairs: tuple[tuple[str, str], ...]
 
     @property
@@ -107,6 +110,7 @@ class Contacts:
             self._sources = (*self._sources, RodPairs(contact.neighbours, loops_of(driver)))
         if contact.faces is not None:
             self._sources = (*self._sources, SurfacePairs(contact.faces, loops_of(driver)))
+        self._sources = (*self._sources, *contact.guards.sources())
         self.couplings: tuple[Coupling, ...] = ()
         self._list()
         self._at: Configuration | None = None

@@ -11,7 +11,7 @@ import numpy as np
 from ..arrays import FloatArray, IntArray
 from ..model.term import Memory
 from .advance import longest_way
-from .barrier import Closest, barrier_points, convex
+from .barrier import Closest, Stop, barrier_points, convex
 from .candidates import among
 from .guarded import Pairing
 from .placed import Placed
@@ -23,21 +23,6 @@ from .touching import Touching
 # that are given places in the matrix.
 _SKIN: Final = 0.5
 _MARGIN: Final = 0.1
-
-
-@dataclass(frozen=True, slots=True)
-class Stop:
-    """What distance is kept, as shares of that at which things touch.
-
-    Attributes:
-        least: Nothing comes nearer.
-        begin: Where the barrier begins.
-        inside: Energy of what is nearer all the same [J]: infinite where no run may go on from there, else 0.
-    """
-
-    least: float
-    begin: float
-    inside: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,9 +69,8 @@ class Guard:
     def touching(self, x: FloatArray, v: FloatArray, t: float, factor: float) -> Iterator[Touching]:
         """Pairs within the barrier."""
         seen, placed = self._look(x), self._placed.keys
-        distance, least = seen.closest.distance, self._stop.least * seen.thickness
-        within = (distance < self._stop.begin * seen.thickness) & among(seen.keys, placed)
-        near = np.flatnonzero(within & ((distance > least) | (self._stop.inside > 0.0)))
+        distance = seen.closest.distance
+        near = np.flatnonzero((distance < self._stop.begin * seen.thickness) & among(seen.keys, placed))
         if not len(near):
             return
         traits = self._all.traits(seen.keys[near])
@@ -104,14 +88,14 @@ class Guard:
             stencils=stencils,
             points=points,
             friction=traits.friction,
-            velocity=points.relative(stencils.gathered(v)),
+            moving=lambda: stencils.relative(points, v),
             label=traits.labels,
             sign=traits.signs,
         )
 
     def velocities(self, touching: Touching, x: FloatArray, v: FloatArray, t: float) -> FloatArray:
         """Relative velocities at points of contact [m/s], shape (3, K)."""
-        return touching.points.relative(touching.stencils.gathered(v))
+        return touching.stencils.relative(touching.points, v)
 
     @property
     def stencils(self) -> tuple[Stencils, ...]:
@@ -132,7 +116,7 @@ class Guard:
         keys = self._reaching(x0, x1)
         if not len(keys):
             return 1.0
-        nodes, stop = self._all.nodes(keys), self._stop.least * self._all.traits(keys).thickness
+        nodes, stop = self._all.nodes(keys), self._stop.nearest * self._all.traits(keys).thickness
         ends0 = np.ascontiguousarray(x0[nodes].transpose(1, 2, 0))
         way = np.ascontiguousarray(x1[nodes].transpose(1, 2, 0)) - ends0
         apart = np.sqrt(((way[:, None] - way[None]) ** 2).sum(axis=2)).max(axis=(0, 1))

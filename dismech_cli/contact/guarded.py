@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
@@ -224,3 +224,70 @@ class SheetNodes:
     def _pairs(self, keys: IntArray) -> tuple[IntArray, IntArray]:
         node, face = np.divmod(keys, len(self.all.surface.nodes))
         return node, face
+
+
+@dataclass(frozen=True, slots=True)
+class Eased:
+    """Pairs some of which start nearer than a core begins: theirs begins where they start.
+
+    Implements :class:`Pairing`.
+
+    Attributes:
+        all: The pairs as they are.
+        keys: Of those that start nearer, ascending, shape (P,).
+        thickness: That these count as having [m], shape (P,).
+    """
+
+    all: Pairing
+    keys: IntArray
+    thickness: FloatArray
+
+    @property
+    def name(self) -> str:
+        """Under which checkpoints have them."""
+        return self.all.name
+
+    @property
+    def map(self) -> DofMap:
+        """Numbering of the DOFs."""
+        return self.all.map
+
+    @property
+    def thick(self) -> float:
+        """Largest distance at which any pair touches [m]."""
+        return self.all.thick
+
+    def search(self, x: FloatArray, more: float) -> IntArray:
+        """Keys of pairs that may touch or be ``more`` [m] farther apart, ascending."""
+        return self.all.search(x, more)
+
+    def nodes(self, keys: IntArray) -> IntArray:
+        """The four nodes of each pair."""
+        return self.all.nodes(keys)
+
+    def closest(self, ends: FloatArray) -> Closest:
+        """Closest points of pairs."""
+        return self.all.closest(ends)
+
+    def traits(self, keys: IntArray) -> Traits:
+        """What they are made of."""
+        traits = self.all.traits(keys)
+        thickness = traits.thickness.copy()
+        near = among(keys, self.keys)
+        thickness[near] = self.thickness[np.searchsorted(self.keys, keys[near])]
+        return replace(traits, thickness=thickness)
+
+
+def eased(pairing: Pairing, x: FloatArray, begin: float) -> Eased:
+    """Pairs whose barrier begins at a share of the thickness, or where they start if that is nearer.
+
+    Args:
+        pairing: The pairs.
+        x: Where nodes start (N, 3) [m].
+        begin: The share.
+    """
+    keys = pairing.search(x, 0.0)
+    ends = np.ascontiguousarray(x[pairing.nodes(keys)].transpose(1, 2, 0))
+    distance, thickness = pairing.closest(ends).distance, pairing.traits(keys).thickness
+    near = distance < begin * thickness
+    return Eased(pairing, keys[near], distance[near] / begin)

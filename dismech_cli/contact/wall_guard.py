@@ -9,8 +9,7 @@ import numpy as np
 from ..arrays import FloatArray, IntArray
 from ..model.term import Memory
 from .advance import longest_way
-from .barrier import barrier_points, convex
-from .guard import Stop
+from .barrier import Stop, barrier_points, convex
 from .source import Depths
 from .stencils import Stencils
 from .touching import Touching
@@ -48,7 +47,7 @@ class WallGuard:
         reach = core + stop.begin * lines.radii
         found = wall.obstacle.closest(t, start, np.ascontiguousarray(ends[:, 1].T) - start, reach)
         distance, least = found.distance, (core + stop.least * lines.radii)[found.item]
-        near = (distance < reach[found.item]) & ((distance > least) | (stop.inside > 0.0))
+        near = distance < reach[found.item]
         if not near.any():
             return
         found = found.some(near)
@@ -60,7 +59,7 @@ class WallGuard:
             stencils=self.stencils[0],
             points=points,
             friction=wall.friction[line],
-            velocity=wall.velocities(points, x, v, t),
+            moving=lambda: wall.velocities(points, x, v, t),
             label=wall.labels[line],
             sign=np.ones(len(line)),
         )
@@ -84,7 +83,7 @@ class WallGuard:
         ends0, ends1 = wall.inward(x0, t0), wall.inward(x1, t1)
         way = ends1 - ends0
         speed = np.sqrt((way * way).sum(axis=0)).reshape(-1, 2).max(axis=1)
-        least = self._stop.least * wall.lines.radii
+        least = self._stop.nearest * wall.lines.radii
 
         def gap_at(part: float, which: IntArray) -> FloatArray:
             ends = (ends0 + part * way).reshape(3, -1, 2)[:, which]

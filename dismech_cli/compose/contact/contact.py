@@ -11,11 +11,12 @@ from ...contact.stiffness import Given, Rule, Tolerant
 from ...contact.terms import FullFriction, SymmetricFriction
 from ...contact.walls import Wall
 from ...scenario.language.contact import Contact as ContactSpec
-from ...scenario.language.contact import PenaltyLaw
+from ...scenario.language.contact import Law, PenaltyLaw
 from ..scene import Scene
 from ..structure.structure import Structure
 from ..touching import named_pairs
-from .faces import make_faces
+from .faces import make_faces, sides_of_triangles
+from .guards import make_guards
 from .lines import make_lines
 from .neighbours import make_neighbours
 from .obstacles import make_obstacle
@@ -33,26 +34,38 @@ def make_contact(scene: Scene, structure: Structure) -> Contact:
     """
     spec = scene.scenario.contact
     assert spec is not None
-    lines = make_lines(scene, structure)
-    walls, bodies = wall_pairs(scene.scenario), body_pairs(scene.scenario)
+    reach = spec.law.reach
+    lines = make_lines(scene, structure, reach)
+    bodies = body_pairs(scene.scenario)
     rule, stiffness = _hardness(spec.law, lines)
+    walls = tuple(_walls(scene, structure, lines, stiffness, wall_pairs(scene.scenario)))
+    neighbours = make_neighbours(scene, structure, lines, stiffness)
+    sides = sides_of_triangles(scene.geometry, lines)
+    faces = make_faces(scene, structure, lines, stiffness, sides, reach)
     return Contact(
         map=structure.dofs,
         lines=lines,
-        walls=tuple(_walls(scene, structure, lines, stiffness, walls)),
-        neighbours=make_neighbours(scene, structure, lines, stiffness),
-        faces=make_faces(scene, structure, lines, stiffness),
+        walls=walls,
+        neighbours=neighbours,
+        faces=faces,
         rule=rule,
         friction=_friction(spec, among_bodies=bool(bodies)),
+        guards=make_guards(
+            spec.law, walls, neighbours, faces, sides, structure.dofs.space_positions(structure.rest)
+        ),
         pairs=tuple(named_pairs(scene.scenario)),
     )
 
 
-def _hardness(law: PenaltyLaw, lines: Lines) -> tuple[Rule, FloatArray]:
+def _hardness(law: Law, lines: Lines) -> tuple[Rule, FloatArray]:
     """The rule, and the stiffness of each line at factor one: that which carries its weight."""
-    if law.allowed is None:
-        return Given(), np.full(len(lines.nodes), law.stiffness)
-    return Tolerant(law.allowed), lines.loads / (2.0 * _RESTING * law.allowed * 2.0 * lines.radii)
+    match law:
+        case PenaltyLaw(stiffness=float() as given):
+            return Given(), np.full(len(lines.nodes), given)
+        case _:
+            allowed = law.allowed
+    assert allowed is not None
+    return Tolerant(allowed), lines.loads / (2.0 * _RESTING * allowed * 2.0 * lines.radii)
 
 
 def _friction(spec: ContactSpec, *, among_bodies: bool) -> Friction | None:

@@ -12,9 +12,11 @@ from ...contact.contact import DEEPEST, Contact
 from ...contact.neighbours import Neighbours
 from ...run.observables.snapshot import Snapshot
 from ...run.validity import Check
+from ...scenario.language.contact import BarrierLaw
 from ..scene import Scene
 from ..structure.structure import Structure
 from .face_doubts import face_doubts
+from .kept import kept_check, refuse_too_near
 from .surface_doubts import surface_doubts
 from .words import ROUNDING, nearer_than_thick, starts_within
 
@@ -34,8 +36,11 @@ class Depth:
         return s.state.memory.get(DEEPEST, np.zeros(self.count))
 
 
-def depth_check(contact: Contact) -> Check:
-    """That no body comes deeper than the tolerance."""
+def depth_check(scene: Scene, contact: Contact) -> Check:
+    """That no body comes deeper than the tolerance, or nearer than a barrier allows."""
+    spec = scene.scenario.contact
+    if spec is not None and isinstance(spec.law, BarrierLaw):
+        return kept_check(scene, contact)
     allowed = contact.rule.tolerance
     return Check(
         Depth(len(contact.lines.nodes)),
@@ -51,7 +56,17 @@ def depth_check(contact: Contact) -> Check:
 
 
 def start_doubts(scene: Scene, structure: Structure, contact: Contact) -> Iterator[str]:
-    """Bodies that start within obstacles, each pair with how deep."""
+    """Bodies that start within obstacles, each pair with how deep.
+
+    Raises:
+        ScenarioError: Some start nearer than a barrier allows.
+    """
+    spec = scene.scenario.contact
+    if spec is not None and isinstance(spec.law, BarrierLaw):
+        # what is not refused lies at most in the gap
+        refuse_too_near(scene, structure, contact)
+        yield from surface_doubts(scene, contact, structure.dofs.space_positions(structure.rest))
+        return
     x = structure.dofs.space_positions(structure.rest)
     thickness = 2.0 * contact.lines.radii
     for wall in contact.walls:

@@ -20,8 +20,18 @@ from .pairs import Tables, body_pairs
 _EVEN = 1e-6
 
 
-def make_faces(scene: Scene, structure: Structure, lines: Lines, stiffness: FloatArray) -> Faces | None:
+def make_faces(
+    scene: Scene, structure: Structure, lines: Lines, stiffness: FloatArray, sides: IntArray, reach: float
+) -> Faces | None:
     """Who may touch shells; None if nothing may.
+
+    Args:
+        scene: The scene.
+        structure: Its nodes and DOFs.
+        lines: All lines.
+        stiffness: Of each at factor one.
+        sides: Lines that are the sides of each triangle, shape (T, 3).
+        reach: Distance at which lines begin to push, as a share of that at which surfaces touch.
 
     Raises:
         ScenarioError: One of these shells is not equally thick everywhere.
@@ -45,7 +55,7 @@ def make_faces(scene: Scene, structure: Structure, lines: Lines, stiffness: Floa
         numbers=np.flatnonzero(np.isin(lines.bodies, involved)),
         surface=Surface(
             nodes=geometry.triangles,
-            halves=0.5 * geometry.per_triangle("thickness"),
+            halves=0.5 * reach * geometry.per_triangle("thickness"),
             masses=mass[geometry.triangles].mean(axis=1),
             bodies=bodies,
         ),
@@ -62,7 +72,7 @@ def make_faces(scene: Scene, structure: Structure, lines: Lines, stiffness: Floa
     near = near_along(lines.nodes, lines.lengths, lines.radii, structure.dofs.n_nodes)
     line_pairs = np.stack(np.divmod(near, len(lines.nodes)), axis=1)
     x = structure.dofs.space_positions(structure.rest)
-    return with_exclusions(found, x, line_pairs, _sides(geometry, lines, bodies))
+    return with_exclusions(found, x, line_pairs, sides)
 
 
 def _check_even(scene: Scene, labels: IntArray) -> None:
@@ -95,9 +105,10 @@ def _stiffness(lines: Lines, stiffness: FloatArray, shells: IntArray) -> FloatAr
     return np.where(is_shell, 0.5 * both, np.maximum(body[:, None], width[:, None] * body))
 
 
-def _sides(geometry: Geometry, lines: Lines, bodies: IntArray) -> IntArray:
-    """Lines that are the sides of each triangle, shape (T, 3)."""
+def sides_of_triangles(geometry: Geometry, lines: Lines) -> IntArray:
+    """Lines that are the sides of each triangle of all shells, shape (T, 3)."""
     count = len(geometry.nodes)
+    bodies = np.array(geometry.shell_keys, dtype=np.int64)[geometry.triangle_shell]
 
     def keys(ends: IntArray, body: IntArray) -> IntArray:
         ends = np.sort(ends, axis=-1)

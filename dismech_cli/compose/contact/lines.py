@@ -23,10 +23,15 @@ _LOOKS = 11
 _LEAST_WEIGHT = 1.0
 
 
-def make_lines(scene: Scene, structure: Structure) -> Lines:
+def make_lines(scene: Scene, structure: Structure, reach: float) -> Lines:
     """Edges of rods as they are, of shells with the width that each stands for: a third of its triangles.
 
     Bodies are numbered as in the scenario.
+
+    Args:
+        scene: The scene.
+        structure: Its nodes and DOFs.
+        reach: Distance at which lines begin to push, as a share of that at which surfaces touch.
     """
     geometry = scene.geometry
     names = tuple(body.name for body in scene.scenario.geometry)
@@ -52,7 +57,7 @@ def make_lines(scene: Scene, structure: Structure) -> Lines:
     return Lines(
         ends,
         all_lengths,
-        np.concatenate(radii),
+        reach * np.concatenate(radii),
         strips,
         mass[ends].sum(axis=1),
         np.concatenate(loads) + pulls / strips,

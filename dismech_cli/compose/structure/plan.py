@@ -17,6 +17,7 @@ from ...kinematics.strains import joint_angles
 from ...mesh.topology.rods import ChainKind, chains, rod_stencils
 from ...run.adaptive import RTOL
 from ...scenario.language.actuation import CurvatureActuation, TwistActuation
+from ...scenario.language.contact import BarrierLaw, PenaltyLaw
 from ...scenario.language.force import Distributed, Point
 from ...scenario.language.motion import Twist
 from ...scenario.language.numerics import GeneralizedAlpha, Numerics, Static
@@ -139,13 +140,19 @@ def _contact(scenario: Scenario) -> Iterator[Decision]:
     obstacles = {one.name for one in scenario.obstacles}
     among = sum(second not in obstacles for _, second in pairs)
     what = f"contact of {len(pairs) - among} pairs with obstacles and {among} of bodies"
-    allowed = spec.law.allowed
-    if allowed is None:
-        yield Decision(what, f"as stiff as given, {spec.law.stiffness:g} Pa, however deep bodies then come")
-    else:
-        yield Decision(
-            what, f"as stiff as weights and impacts ask for, at most {allowed:.3g} of a thickness deep"
-        )
+    match spec.law:
+        case BarrierLaw(stop=stop, gap=gap):
+            yield Decision(
+                what,
+                f"never nearer than {stop:.3g} of the thickness: forces from {stop + gap:.3g} of it on, and "
+                "a barrier in the inner half of that gap",
+            )
+        case PenaltyLaw(stiffness=float() as given):
+            yield Decision(what, f"as stiff as given, {given:g} Pa, however deep bodies then come")
+        case PenaltyLaw(allowed=allowed):
+            yield Decision(
+                what, f"as stiff as weights and impacts ask for, at most {allowed:.3g} of a thickness deep"
+            )
     if scenario.numerics.integrator == GeneralizedAlpha(type="generalized_alpha", spectral_radius=0.0):
         yield Decision(
             "generalized_alpha with spectral radius 0",

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ...words import hint
-from ..language.contact import Contact
-from ..language.numerics import GeneralizedAlpha, ImplicitMidpoint, Newmark, Static
+from ..language.contact import BarrierLaw, Contact, PenaltyLaw
+from ..language.numerics import GeneralizedAlpha, ImplicitEuler, ImplicitMidpoint, Integrator, Newmark, Static
 from ..language.obstacle import PlaneObstacle
 from ..language.probe import ContactProbe
 from ..language.scenario import Scenario
@@ -23,13 +23,30 @@ def contact_findings(scenario: Scenario) -> Iterator[Finding]:
                 yield path, "the scene has no `contact`"
         return
     yield from _pairs(scenario, scenario.contact)
-    if scenario.contact.law.stiffness is not None and scenario.shells:
-        yield (
-            ("contact", "law", "stiffness"),
-            "is one per length of rods, but the scene has shells; give a tolerance",
-        )
+    match scenario.contact.law:
+        case PenaltyLaw(stiffness=float()) if scenario.shells:
+            yield (
+                ("contact", "law", "stiffness"),
+                "is one per length of rods, but the scene has shells; give a tolerance",
+            )
+        case BarrierLaw() if _balances_within(scenario.numerics.integrator):
+            yield (
+                ("numerics", "integrator"),
+                "balances within the step: its end may lie nearer than a barrier allows; take "
+                "generalized_alpha with spectral_radius: 0, implicit_euler, tr_bdf2 or newmark",
+            )
     if isinstance(scenario.numerics.integrator, Static) and _rubs(scenario.contact):
         yield ("contact", "friction"), "nothing slips in a static run: friction would do nothing"
+
+
+def _balances_within(integrator: Integrator) -> bool:
+    match integrator:
+        case ImplicitMidpoint():
+            return True
+        case GeneralizedAlpha(spectral_radius=radius):
+            return radius > 0.0
+        case _:
+            return False
 
 
 def contact_doubts(scenario: Scenario) -> Iterator[Finding]:
@@ -38,6 +55,14 @@ def contact_doubts(scenario: Scenario) -> Iterator[Finding]:
         return
     path = ("numerics", "integrator")
     remedy = "take generalized_alpha with spectral_radius: 0, or implicit_euler for what must come to rest"
+    if isinstance(scenario.contact.law, BarrierLaw) and not isinstance(
+        scenario.numerics.integrator, ImplicitEuler | Static
+    ):
+        yield (
+            path,
+            "may make energy where impacts on a barrier cut steps; implicit_euler makes none",
+        )
+        return
     match scenario.numerics.integrator:
         case ImplicitMidpoint() | Newmark():
             yield path, f"makes energy in impacts, or lets frames lie within others; {remedy}"

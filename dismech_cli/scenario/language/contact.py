@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, TypeAlias
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal, TypeAlias
 
 from annotated_types import Len
 from pydantic import Field, Strict, model_validator
@@ -37,6 +38,11 @@ class PenaltyLaw(Spec):
     stiffness: Annotated[float, Quantity("pressure", gt=0)] | None = Field(
         default=None, description="kappa, whatever the penetration then is; of a rod per length."
     )
+    core: Literal["auto", "on", "off"] = Field(
+        default="auto",
+        description="A barrier from three quarters to half of the distance at which things touch: it holds "
+        "where the stiffness falls short. `auto` has it where shells are touched.",
+    )
 
     @model_validator(mode="after")
     def _one(self) -> PenaltyLaw:
@@ -50,6 +56,45 @@ class PenaltyLaw(Spec):
         if self.stiffness is not None:
             return None
         return 0.05 if self.tolerance is None else self.tolerance
+
+    @property
+    def reach(self) -> float:
+        """Distance at which forces begin, as a share of that at which surfaces touch."""
+        return 1.0
+
+
+class BarrierLaw(Spec):
+    """Nothing ever comes nearer than `stop`, at whatever stiffness; the force begins at `gap` before that.
+
+    The outer half of the gap bears weights and impacts, as soft as may be; below it the energy grows without
+    bounds.
+    """
+
+    type: Literal["barrier"] = Field(description="Kind of law.")
+    gap: Annotated[float, Quantity("ratio", gt=0, le=0.5)] = Field(
+        default=0.02, description="Distance from the stop on which forces act, as a share of the thickness."
+    )
+    stop: Annotated[float, Quantity("ratio", gt=0, le=1)] = Field(
+        default=1.0,
+        description="Distance that all keep, as a share of that at which surfaces touch. What starts nearer "
+        "is refused.",
+    )
+
+    @property
+    def reach(self) -> float:
+        """Distance at which forces begin, as a share of that at which surfaces touch."""
+        return self.stop + self.gap
+
+    @property
+    def allowed(self) -> float:
+        """How deep lines may come, as a share of the reach: above the barrier, at obstacles too.
+
+        There half of the thickness makes the gap.
+        """
+        return 0.25 * self.gap / self.reach
+
+
+Law: TypeAlias = Annotated[PenaltyLaw | BarrierLaw, Field(discriminator="type")]
 
 
 class FrictionLaw(Spec):
@@ -74,5 +119,15 @@ class Contact(Spec):
         default=None,
         description="Who may touch whom; default: every body every other, itself and every obstacle.",
     )
-    law: PenaltyLaw = Field(default=PenaltyLaw(), description="How they push each other apart.")
+    law: Law = Field(
+        default=PenaltyLaw(), description="How they push each other apart; `penalty` without a `type`."
+    )
     friction: FrictionLaw | None = Field(default=None, description="How they rub; default: not at all.")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _penalty(cls, value: Any) -> Any:
+        law = value.get("law") if isinstance(value, Mapping) else None
+        if not isinstance(law, Mapping) or "type" in law:
+            return value
+        return {**value, "law": {"type": "penalty", **law}}

@@ -159,7 +159,7 @@ class Numerics(Spec):
     integrator: Integrator = Field(
         default=TrBdf2(type="tr_bdf2"),
         description="Time integrator; in scenes with `contact` by default `generalized_alpha` with "
-        "`spectral_radius: 0`.",
+        "`spectral_radius: 0`, and with a barrier `implicit_euler`.",
     )
     dt: PositiveTime | None = Field(
         default=None,

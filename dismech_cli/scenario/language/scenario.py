@@ -36,6 +36,9 @@ SCHEMA_VERSION: Final = 1
 CONTACT_INTEGRATOR: Final = MappingProxyType({"type": "generalized_alpha", "spectral_radius": 0.0})
 """The integrator of scenes with contact that name none."""
 
+BARRIER_INTEGRATOR: Final = MappingProxyType({"type": "implicit_euler"})
+"""That of scenes whose contact is a barrier: impacts stop within small parts of a step."""
+
 # A name becomes a folder: no separators, no leading dot, no trailing dot, no device names.
 SafeName: TypeAlias = Annotated[
     str, Field(max_length=100, pattern=r"^[A-Za-z0-9_]([A-Za-z0-9._-]*[A-Za-z0-9_-])?$")
@@ -114,7 +117,11 @@ class Scenario(Spec):
         numerics = data.get("numerics")
         if not isinstance(numerics, Mapping) or "integrator" in numerics:
             return data
-        return {**data, "numerics": {**numerics, "integrator": dict(CONTACT_INTEGRATOR)}}
+        contact = data["contact"]
+        law = contact.get("law") if isinstance(contact, Mapping) else None
+        barrier = isinstance(law, Mapping) and law.get("type") == "barrier"
+        integrator = BARRIER_INTEGRATOR if barrier else CONTACT_INTEGRATOR
+        return {**data, "numerics": {**numerics, "integrator": dict(integrator)}}
 
     @model_validator(mode="before")
     @classmethod
