@@ -50,6 +50,8 @@ class Guard:
         self._searched: FloatArray | None = None
         self._candidates = np.empty(0, dtype=np.int64)
         self._seen: _Seen | None = None
+        # where distances were measured last, and how far all were from having a place
+        self._measured: tuple[FloatArray, float] | None = None
         self._placed = Placed(pairing.name, self._lay_out)
 
     def recall(self, memory: Memory) -> None:
@@ -134,10 +136,12 @@ class Guard:
 
     def _reaching(self, x0: FloatArray, x1: FloatArray) -> IntArray:
         """Keys of pairs that may come within the stop on a straight way."""
-        moved = float(np.sqrt(((x1 - x0) ** 2).sum(axis=1).max(initial=0.0)))
+        moved = _farthest(x1 - x0)
         self._search(x0)
         if 2.0 * moved + 2.0 * self._strayed(x0) > self._skin:
             return self._all.search(x0, 2.0 * moved)
+        if self._clear(x0, moved):
+            return self._candidates[:0]
         seen = self._look(x0)
         return seen.keys[seen.closest.distance - 2.0 * moved < self._stop.least * seen.thickness]
 
@@ -145,11 +149,24 @@ class Guard:
         """What is near; kept until other places are asked for."""
         if self._seen is None or not np.array_equal(self._seen.x, x):
             self._search(x)
-            keys = self._candidates
+            keys, thickness = self._candidates, self._thickness
+            clear = self._clear(x, 0.0)
+            if clear:
+                keys, thickness = keys[:0], thickness[:0]
             nodes = self._all.nodes(keys)
             closest = self._all.closest(np.ascontiguousarray(x[nodes].transpose(1, 2, 0)))
-            self._seen = _Seen(x.copy(), keys, self._thickness, closest)
+            self._seen = _Seen(x.copy(), keys, thickness, closest)
+            if not clear:
+                beyond = closest.distance - (self._stop.begin + _MARGIN) * thickness
+                self._measured = self._seen.x, float(beyond.min(initial=np.inf))
         return self._seen
+
+    def _clear(self, x: FloatArray, more: float) -> bool:
+        """Whether no candidate can be near at places that are up to ``more`` [m] from ``x``."""
+        if self._measured is None:
+            return False
+        at, spare = self._measured
+        return 2.0 * (_farthest(x - at) + more) < spare
 
     def _search(self, x: FloatArray) -> None:
         """Search anew if nodes have moved so far that pairs may be missing."""
@@ -159,13 +176,17 @@ class Guard:
         self._searched = x.copy()
         self._candidates = self._all.search(x, self._skin)
         self._thickness = self._all.traits(self._candidates).thickness
-        self._seen = None
+        self._seen = self._measured = None
 
     def _strayed(self, x: FloatArray) -> float:
         """How far a node has moved since the last search [m]."""
         assert self._searched is not None
-        return float(np.sqrt(((x - self._searched) ** 2).sum(axis=1).max(initial=0.0)))
+        return _farthest(x - self._searched)
 
     def _lay_out(self, keys: IntArray) -> None:
         """What pairs with these keys touch with."""
         self._stencils = (Stencils(self._all.map, self._all.nodes(keys)),)
+
+
+def _farthest(way: FloatArray) -> float:
+    return float(np.sqrt((way * way).sum(axis=1).max(initial=0.0)))

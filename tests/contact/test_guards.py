@@ -231,6 +231,7 @@ def test_a_resumed_run_is_the_straight_run(tmp_path: Path) -> None:
     deck = crossing(1e-3, 1.0)
     deck["contact"] = {"law": BARRIER, "friction": {"coefficient": 0.3, "slip_speed": 1e-2}}
     deck["initial_velocity"][0]["velocity"] = [0.3, 0.2, -1.0]
+    deck["numerics"]["t_end"] = 0.052
     file = tmp_path / "deck.yaml"
     file.write_text(json.dumps(deck))
     straight = simulate(file, out=tmp_path / "straight")

@@ -10,12 +10,14 @@ from dataclasses import dataclass, field, fields, is_dataclass
 from typing import Any
 
 import numpy as np
+from contact_decks import on_floor
 from decks import Deck, line, rod_deck
 from numpy.testing import assert_allclose, assert_array_equal
 from rare_control import EACH, INCREMENTAL, RUN, SENSORS, bends, follows, reads_all
 from shell_decks import BELL, RUBBER, SHEET, rod, shell_deck
 
 from dismech_cli.compose.compose import Composition
+from dismech_cli.contact.contact import Contact
 from dismech_cli.kernels.numba_driver import NumbaDriver
 from dismech_cli.kernels.numpy_driver import NumpyDriver
 from dismech_cli.laws import laws
@@ -568,8 +570,24 @@ CONTROL = {
     ),
 }
 
+
+def kept_by(core: str, pairings: int, walls: int) -> Rare:
+    """A rod on a floor, with or without a core under its soft contact."""
+
+    def keeps(composition: Composition) -> None:
+        (contact,) = composition.simulation.model.changing
+        assert isinstance(contact, Contact)
+        assert (len(contact.guards.pairings), len(contact.guards.walls)) == (pairings, walls)
+
+    deck = on_floor()
+    deck["contact"] = {"law": {"core": core}}
+    return Rare(deck, keeps, choices=frozenset({("core", core)}))
+
+
 RARE: dict[str, Rare] = {
     **CONTROL,
+    "core on": kept_by("on", 1, 1),
+    "core off": kept_by("off", 0, 0),
     **LAWS,
     **BODIES,
     **{name: solved_by(name) for name in ("banded", "dense", "pardiso", "superlu")},
