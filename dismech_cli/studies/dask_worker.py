@@ -16,7 +16,7 @@ from typing import Any, Final
 from ..output.jsonable import Json
 from ..output.manifest import installed_versions
 from ..scenario.load import json_schema
-from .pool import Child, hard_limit, over
+from .pool import Child, death, hard_limit, over
 from .publish import is_done, remove_dead
 from .task import Task
 
@@ -119,7 +119,7 @@ def _converse(order: Mapping[str, Any], task: Task) -> dict[str, Json | bytes]:
             told = child.read() if selector.select(_LOOK) else []
             if told is None:
                 how = child.end()
-                return _dead(child, f"its process ended by {how}")
+                return _dead(child, death(how))
             for line in told:
                 if "id" in line or "warm" in line:
                     return {"exit_code": 0, "status": "done", **line, "died": False, "late": False, "log": ""}

@@ -267,7 +267,12 @@ class LocalPool:
         if not slot.child.ready:
             raise OutputError(f"cannot start a process for points: it ended by {how}\n{log}")
         slot.child = self._started()
-        return f"its process ended by {how}", log
+        return death(how), log
+
+
+def death(how: str) -> str:
+    """What to say of a child that died by itself; the system kills those for whom there is no memory."""
+    return f"its process ended by {how}" + ("; was there enough memory?" if how.endswith("SIGKILL") else "")
 
 
 def hard_limit(limit: float) -> float:

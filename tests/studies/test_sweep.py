@@ -32,7 +32,7 @@ def swept(nursery: Nursery, arm: Path) -> Callable[..., Done]:
     def run(*options: object, out: str = "out", **environment: str) -> Done:
         more = {"PYTHONPATH": f"{arm / 'trouble'}{os.pathsep}{os.environ.get('PYTHONPATH', '')}"}
         # one child where nothing depends on there being more: each imports for seconds
-        jobs = () if "-j" in options else ("-j", 1)
+        jobs = () if {"-j", "--executor"} & {*options} else ("-j", 1)
         return nursery.call(arm, "sweep", "arm.yaml", "-o", out, *jobs, *options, **more, **environment)
 
     return run
@@ -120,6 +120,7 @@ def test_a_folder_with_points_is_gone_on_with_only_when_asked(swept, arm):
         (("--no-run",), "needs --resume"),
         (("--retry-failed",), "needs --resume"),
         (("--gather",), "needs --executor"),
+        (("-j", "2", "--executor", "dask://x:1"), "is of this machine"),
         ((*FOUR, "--executor", "ray://x:1"), "expected dask://HOST:PORT"),
     ],
 )
@@ -165,6 +166,13 @@ def test_points_that_die_hang_and_fail_do_not_stop_the_others(swept, arm):
     well = swept(*FOUR, "--resume", "--retry-failed")
     assert well.code == 0, well.stderr
     assert "3 points that did not end well are run again" in well.stderr
+
+
+def test_a_point_that_the_system_kills_may_have_lacked_memory(swept, arm):
+    done = swept("--over", "parameters.E=1 MPa", TROUBLE="parameters.E=1 MPa=>killed")
+    assert done.code == 1
+    assert "signal SIGKILL; was there enough memory?" in done.stderr
+    assert "(2 attempts)" in done.stdout
 
 
 def test_a_point_that_is_slow_stops_after_a_step_and_can_be_resumed(swept, nursery, arm):

@@ -33,6 +33,8 @@ if sys.orig_argv[2:4] == ["-m", "dismech_cli.studies.child"] and "TROUBLE" in os
                     import ctypes
                     print("about to read address 0", file=sys.stderr, flush=True)
                     ctypes.string_at(0)
+                if kind == "killed":
+                    os.kill(os.getpid(), signal.SIGKILL)
                 if kind == "hang":
                     time.sleep(1e6)
                 if kind == "noise":

@@ -118,6 +118,10 @@ def sweep(
         raise typer.BadParameter("needs --resume: it is about points that are there", param_hint=name)
     if gather and executor is None:
         raise typer.BadParameter("needs --executor: points of this machine are here", param_hint="--gather")
+    if jobs is not None and executor is not None:
+        raise typer.BadParameter(
+            "is of this machine: the workers of --executor count there", param_hint="--jobs"
+        )
     piece = shard(part)
     use_threads(None, deterministic)
     from ...studies.given_axes import Given
