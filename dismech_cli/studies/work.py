@@ -58,6 +58,8 @@ class Worker:
         total = len(queue)
         while (queue or self._flying) and not stop.requested:
             self._submit(queue, executor)
+            if not self._flying and queue and executor.room:
+                self._say(f"waiting for another sweep in this folder, which is at {len(queue)} points")
             for answer in executor.answers(_LOOK):
                 self._flying.pop(answer.task.id, None)
                 if self._settled(answer):
@@ -142,10 +144,14 @@ class Worker:
     def _count(self, answer: Answer, total: int) -> None:
         self._done += 1
         self.narrator.detail(f"{answer.status}: {_label(answer.task)}")
+        self._say(f"{self._done} of {total} points")
+
+    def _say(self, text: str) -> None:
+        """A line of progress, now and then."""
         now = time.monotonic()
         if now - self._said > _SAY:
             self._said = now
-            self.narrator.say(f"{self._done} of {total} points")
+            self.narrator.say(text)
 
 
 def _label(task: Task) -> str:
