@@ -101,8 +101,8 @@ def _before(model: Differentiated, step: TapedStep, owed: Owed, gradient: FloatA
     """What is owed to the state before a step; adds what is owed to parameters in it."""
     n = len(owed.q)
     to_start = Owed(np.zeros(n), np.zeros(n), np.zeros(n), tuple(map(np.zeros_like, owed.turns)))
-    for index in reversed(range(len(step.stages))):
-        owed = _through(model, step, index, step.stages[index], owed, to_start, gradient)
+    for index, solved in reversed(tuple(enumerate(step.stages(model.integrator)))):
+        owed = _through(model, step, index, solved, owed, to_start, gradient)
     to_start.add(owed)
     if model.jumps(step.start):
         _balanced(model, step.start, to_start, gradient)

@@ -144,7 +144,7 @@ def _after(model: Differentiated, step: TapedStep, d: Variation) -> Variation:
     if model.jumps(step.start):
         d = replace(d, a=_balanced(model, step.start, d))
     start = latest = d
-    for index, solved in enumerate(step.stages):
+    for index, solved in enumerate(step.stages(model.integrator)):
         latest, acceleration = _through(model, step, index, solved, start, latest)
     # as what holds a mass moves it, along its path and not as the integrator would have it
     held, mass = model.held(step.start.t).dofs, model.model.mass

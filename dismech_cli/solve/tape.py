@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from itertools import pairwise
+from typing import Final
 
 from ..arrays import FloatArray
 from ..kinematics.rod_frames import FrameState
 from ..model.state import State
-from .integrators import Stage
-from .newton import solve_stage
-from .problem import NewtonSettings, StageProblem
-from .relax import relax_stage, relaxed
-from .result import NewtonResult
+from .integrators import Integrator, Stage
+from .problem import NewtonSettings
+from .relax import relaxed
 from .status import Status
-from .step import Advance, Solve, Stepper, StepResult, through_stages
+from .step import Advance, Stepper, StepResult, through_stages
 
-_SOLVES: dict[Advance, Solve] = {through_stages: solve_stage, relaxed: relax_stage}
-"""How the steps that go through stages solve them; a path of equilibria is not among them."""
+THROUGH_STAGES: Final[tuple[Advance, ...]] = (through_stages, relaxed)
+"""Ways of steps whose stages alone say how they went; a path of equilibria is not among them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,53 +43,49 @@ class TapedStep:
     """An accepted step.
 
     Attributes:
-        start: State that it began with, made ready.
         dt: Its length [s].
-        stages: What was solved.
         result: What it gave.
     """
 
-    start: State
     dt: float
-    stages: tuple[SolvedStage, ...]
     result: StepResult
+
+    @property
+    def start(self) -> State:
+        """State that it began with, made ready."""
+        return self.result.trail[0]
+
+    def stages(self, integrator: Integrator) -> tuple[SolvedStage, ...]:
+        """What was solved, in order."""
+        trail = self.result.trail
+        return tuple(
+            SolvedStage(
+                integrator.stage(index, self.start, before, self.dt),
+                after.q,
+                before.frames,
+                before.q,
+                before.t,
+            )
+            for index, (before, after) in enumerate(pairwise(trail))
+        )
 
 
 @dataclass(slots=True)
 class Tape:
-    """Steps as an :class:`~.step.Advance` that remembers them.
+    """Steps that go in some way, as an :class:`~.step.Advance` that remembers them.
 
     Attributes:
         steps: The accepted ones, in order.
     """
 
-    _solve: Solve
+    _advance: Advance
     steps: list[TapedStep] = field(default_factory=list)
-    _stages: list[SolvedStage] = field(default_factory=list)
-    _start: State | None = None
-
-    @classmethod
-    def of(cls, advance: Advance) -> Tape | None:
-        """A tape of steps that go in some way; None for a way that is not through stages."""
-        solve = _SOLVES.get(advance)
-        return None if solve is None else cls(solve)
 
     def __call__(self, stepper: Stepper, start: State, dt: float, settings: NewtonSettings) -> StepResult:
         """The step of length ``dt``; it takes the place of one from the same start that was given up."""
         while self.steps and self.steps[-1].start.t >= start.t:
             self.steps.pop()
-        self._stages, self._start = [], start
-        result = through_stages(stepper, start, dt, settings, self._remember)
+        result = self._advance(stepper, start, dt, settings)
         if result.status is Status.CONVERGED:
-            self.steps.append(TapedStep(start, dt, tuple(self._stages), result))
-        return result
-
-    def _remember(self, problem: StageProblem, guess: FloatArray) -> NewtonResult:
-        result = self._solve(problem, guess)
-        if result.status is Status.CONVERGED:
-            assert self._start is not None
-            last = self._stages[-1] if self._stages else None
-            before = self._start.q if last is None else last.q
-            since = self._start.t if last is None else last.stage.t_end
-            self._stages.append(SolvedStage(problem.stage, result.q, problem.stored, before, since))
+            self.steps.append(TapedStep(dt, result))
         return result

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 from ..compose.compose import Composition, compose
 from ..errors import ScenarioError, SolverError, UnfinishedError
+from ..run.adaptive import Adaptive
 from ..run.interrupt import StopRequest
 from ..run.loop import End, Outcome, run
 from ..run.observables.probes import Probe
@@ -17,7 +18,7 @@ from ..session.narrator import Narrator
 from ..session.sinks import Latest, Several, Telling
 from ..solve.neighbours import UnlikeError
 from ..solve.sensitivity import Differentiated
-from ..solve.tape import Tape, TapedStep
+from ..solve.tape import THROUGH_STAGES, Tape, TapedStep
 from .gradient_setting import Nearby
 from .source import Source
 
@@ -34,7 +35,7 @@ class TapedRun:
     Attributes:
         simulation: What was run.
         outcome: How it ended.
-        steps: Its steps; empty where it was not taped.
+        steps: Its steps.
     """
 
     simulation: Simulation
@@ -64,11 +65,11 @@ def run_taped(simulation: Simulation, narrator: Narrator, stop: StopRequest | No
         SolverError: It did not come to its end.
         UnfinishedError: It was stopped.
     """
-    tape = Tape.of(simulation.advance)
-    taped = simulation if tape is None else replace(simulation, advance=tape)
+    tape = Tape(simulation.advance)
+    taped = replace(simulation, advance=tape)
     outcome = run(taped, Several((Latest(), Telling(narrator))), stop=stop, announce=narrator.detail)
     finished(outcome)
-    return TapedRun(simulation, outcome, () if tape is None else tuple(tape.steps))
+    return TapedRun(simulation, outcome, tuple(tape.steps))
 
 
 def finished(outcome: Outcome) -> None:
@@ -87,13 +88,15 @@ def finished(outcome: Outcome) -> None:
 def why_not(simulation: Simulation) -> str:
     """Why a run has no exact derivative; empty if it has one."""
     model = simulation.model
-    if Tape.of(simulation.advance) is None:
+    if simulation.advance not in THROUGH_STAGES:
         return "the load factor of a path of equilibria is an unknown"
+    if isinstance(simulation.control, Adaptive):
+        return "the lengths of adaptive steps depend on all values; 'numerics.dt' makes them fixed"
     if model.changing:
         return "contact has no tangent that is exact across its ends"
     if any(edges.shared for edges in model.frames.turning):
         return "shells that are welded share their normals"
-    stages = simulation.integrator.stages * getattr(simulation.control, "steps", 0)
+    stages = simulation.integrator.stages * simulation.control.steps
     if 48.0 * stages * model.dofs.n > _TAPE_BYTES:
         return "the run is too long to keep all its steps in memory"
     return ""

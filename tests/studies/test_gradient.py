@@ -118,6 +118,15 @@ def test_contact_is_differentiated_by_runs_and_said_so(call):
     assert refused.code == 2
 
 
+def test_adaptive_steps_are_differentiated_by_runs_and_said_so(call):
+    deck = planar() | {"output": {"probes": {"tip": {"position": "arm.end", "component": "z"}}}}
+    deck["numerics"] = {"integrator": {"type": "tr_bdf2"}, "t_end": 0.05}
+    by = ("--by", "materials.rubber.density")
+    result = found(call("gradient", write(deck), "--of", "tip", *by, "--json", "-q"))
+    assert result.method == "differences"
+    assert "adaptive" in str(result.why)
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [

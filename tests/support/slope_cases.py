@@ -149,8 +149,7 @@ class Case:
     def taped(self) -> tuple[Simulation, list[TapedStep]]:
         """The scene, and the steps of its run."""
         simulation = self.simulation()
-        tape = Tape.of(simulation.advance)
-        assert tape is not None
+        tape = Tape(simulation.advance)
         last_shape(replace(simulation, advance=tape))
         return simulation, tape.steps
 
