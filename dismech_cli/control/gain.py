@@ -8,12 +8,14 @@ itself too; limits and noise are not, nor anything that the system does elsewher
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Final, Protocol, Self, runtime_checkable
 
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
+from ..errors import LawError
 from ..model.state import State
 from ..solve.status import Status
 from ..solve.step import Stepper
@@ -181,8 +183,11 @@ def _seen(loops: Sequence[SampledLoop], state: State) -> FloatArray:
 
 def _size(loop: SampledLoop) -> float:
     """By how much a command is moved."""
-    targets = [float(np.abs(loop.target(loop.time(k))).max(initial=0.0)) for k in range(0, 1000, 10)]
-    return 1e3 * _MOVE * (max(targets) or 1.0)
+    largest = 0.0
+    with suppress(LawError):  # it may have no value after the end of the run
+        for k in range(0, 1000, 10):
+            largest = max(largest, float(np.abs(loop.target(loop.time(k))).max(initial=0.0)))
+    return 1e3 * _MOVE * (largest or 1.0)
 
 
 def _closed(loops: Sequence[SampledLoop], plant: _Plant, share: float) -> FloatArray:

@@ -12,19 +12,17 @@ from .target import Target
 
 
 class Port(Protocol):
-    """Where springs are driven from.
+    """Where springs are driven from."""
 
-    Attributes:
-        p: By how many times its own stiffness a spring is stiffer.
-    """
-
-    p: float
+    @property
+    def p(self) -> float:
+        """By how many times its own stiffness a spring is stiffer."""
 
     def signal(self, members: IntArray) -> Signal:
         """What springs follow, by their numbers among those that are commanded, shape (K,)."""
 
 
-@dataclass(slots=True)
+@dataclass(frozen=True, slots=True)
 class SampledPort:
     """Springs follow a command as they would follow a law.
 
@@ -41,7 +39,7 @@ class SampledPort:
         return Commanded(self.channel, members)
 
 
-@dataclass(slots=True)
+@dataclass(frozen=True, slots=True)
 class IdealPort:
     """Springs are 1 + p times as stiff.
 

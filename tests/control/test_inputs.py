@@ -163,3 +163,16 @@ def test_units_are_those_of_what_is_driven() -> None:
     assert units[(*own, "limits", "magnitude")] == "1/m"
     assert units[(*own, "target", "ramp", "to")] == "1/m"
     assert units[(*own, "target", "ramp", "end")] == "s"
+
+
+def test_two_controllers_of_one_place_are_refused() -> None:
+    deck = arm()
+    deck["actuation"] = [
+        {"type": "curvature_1", "rod": "arm", "joints": joints, "value": {"controlled_by": name}}
+        for name, joints in (("bend", [0, 2]), ("too", [2, 3]))
+    ]
+    deck["controllers"]["too"] = deck["controllers"]["bend"]
+    with pytest.raises(ScenarioError, match="'too' and 'bend' command the same strain at the same places"):
+        composed(deck)
+    deck["actuation"][1]["joints"] = [3, 3]
+    composed(deck)

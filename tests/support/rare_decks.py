@@ -117,13 +117,6 @@ LAWS = {
         choices=NONE,
         ends=laws.Sawtooth(**WAVE, width=0.5),
     ),
-    "table in a file": pulled(
-        {"table": {"file": "pull.csv", "value": "pull"}},
-        {"pull.csv": "t, rest, pull\n0, 7, 0\n1, 7, 2\n"},
-        "TableFile",
-        choices=NONE,
-        ends=laws.Table(times=(0.0, 1.0), values=(0.0, 2.0)),
-    ),
     "step": table("step"),
     "cubic": table("cubic"),
 }

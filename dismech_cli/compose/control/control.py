@@ -168,7 +168,24 @@ class _Maker:
             for index, part in enumerate(scene.scenario.actuation)
             if isinstance(part.value, Controlled)
         }
+        self._refuse_shared()
         self.targets: dict[str, Target] = {}
+
+    def _refuse_shared(self) -> None:
+        """Refuse two controllers of one place, each of which would take the other for a disturbance.
+
+        Raises:
+            ScenarioError: naming both.
+        """
+        before: list[tuple[str, Driven]] = []
+        for name, one in self.driven.items():
+            for other, two in before:
+                if one.springs.shares(two.springs):
+                    raise self._scene.error(
+                        ("actuation", one.index, "value"),
+                        f"'{name}' and '{other}' command the same strain at the same places",
+                    )
+            before.append((name, one))
 
     def reading(self, name: str) -> _Read:
         """What a sensor reads, and where if that is a strain."""

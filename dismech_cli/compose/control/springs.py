@@ -72,6 +72,11 @@ class Springs:
         """Number of places."""
         return len(self.s)
 
+    def shares(self, other: Springs) -> bool:
+        """Whether both have a place of the same strain in common."""
+        same = self.body == other.body and self.what[0] == other.what[0]
+        return same and not set(self.what[1]).isdisjoint(other.what[1])
+
     def alike(self, other: Springs) -> bool:
         """Whether both are the same strain at the same places."""
         return self.body == other.body and self.what == other.what
