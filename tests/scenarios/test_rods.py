@@ -31,6 +31,7 @@ SLOW = {
     "capstan",
     "cantilever_dynamic_1e5",
     "dlo_manipulation",
+    "gait",
     "helix_lead_in",
     "helix_soft",
     "helix_stiff",
