@@ -19,6 +19,7 @@ COMMANDS = (
     "check",
     "explain",
     "resume",
+    "study",
     "sweep",
     "compare",
     "render",
