@@ -127,7 +127,7 @@ class Compiled:
     def add_squares(self, touching: Touching, places: SymmetricPlaces, values: FloatArray) -> None:
         """Add what the second derivatives have along the gaps."""
         p, axes = touching.points, touching.stencils.axes
-        self.squares(places.slots, axes, p.item, p.weights, p.gap, p.along, p.identity, p.e, values)
+        self.squares(places.slots, axes, p.item, p.weights, p.gap, p.along, p.axis, p.e, values)
 
     def add_hessians(self, touching: Touching, places: SymmetricPlaces, values: FloatArray) -> None:
         """Add the second derivatives."""

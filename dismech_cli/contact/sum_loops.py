@@ -70,7 +70,7 @@ def add_squares(
     weights: FloatArray,
     gap: FloatArray,
     factors: FloatArray,
-    identity: FloatArray,
+    axis: FloatArray,
     e: FloatArray,
     values: FloatArray,
 ) -> None:
@@ -85,7 +85,7 @@ def add_squares(
         weights: Shape (n, K).
         gap: x, shape (3, K).
         factors: Shape (K,).
-        identity: 0 above a face, shape (K,); see :mod:`.points`.
+        axis: 1 above a face, shape (K,); see :mod:`.points`.
         e: The normal of the face there, shape (3, K).
         values: Stored entries, added to, shape (slots,).
     """
@@ -96,7 +96,7 @@ def add_squares(
     total, flat = np.zeros((n * (n + 1) // 2, 6)), np.zeros(n * (n + 1) // 2)
     square, upright, above, beside = np.empty(6), np.empty(6), False, False
     for k in range(len(item)):
-        if identity[k] == 0.0:
+        if axis[k] == 1.0:
             above = True
             _squared(1.0, e[0, k], e[1, k], e[2, k], upright)
             height = gap[0, k] * e[0, k] + gap[1, k] * e[1, k] + gap[2, k] * e[2, k]

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from contact_decks import crossing
+from contact_decks import crossing, on_floor
 from numpy.testing import assert_allclose, assert_array_equal
 
 import dismech_cli
@@ -59,6 +59,7 @@ def sheets() -> dict[str, Any]:
 DECKS = {
     "full": lambda: crossed_with_friction("full"),
     "symmetric": lambda: crossed_with_friction("symmetric"),
+    "floor": lambda: on_floor(8.0),
     "sheets": sheets,
 }
 

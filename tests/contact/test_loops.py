@@ -11,7 +11,9 @@ from dismech_cli.arrays import FloatArray, IntArray
 from dismech_cli.contact.batches import Batches
 from dismech_cli.contact.candidates import Boxes
 from dismech_cli.contact.compiled import Compiled
+from dismech_cli.contact.cores import BoxCore, LineCore, PointCore
 from dismech_cli.contact.loops import Loops
+from dismech_cli.contact.obstacle import HalfSpace, Rounded, Shape
 from dismech_cli.contact.points import Points
 from dismech_cli.contact.stencils import GeneralPlaces, Stencils, SymmetricPlaces
 from dismech_cli.contact.surface_pairs import SurfacePairs
@@ -206,3 +208,37 @@ def test_boxes_on_a_grid(compiled: Loops, spread: float) -> None:
     assert_array_equal(between, np.argwhere(near[:50]))
     nothing = Boxes(low[:0], high[:0], boxes.sizes[:0])
     assert compiled.near_boxes(nothing, boxes).shape == (0, 2)
+
+
+@pytest.mark.parametrize(
+    "shape",
+    [
+        HalfSpace(np.zeros(3), np.array([0.6, 0.0, 0.8])),
+        Rounded(PointCore(np.zeros(3)), 0.1),
+        Rounded(LineCore(np.zeros(3), np.array([0.6, 0.0, 0.8])), 0.1),
+        Rounded(BoxCore(np.array([0.2, 0.3, 0.1])), 0.05),
+    ],
+    ids=["plane", "ball", "cylinder", "box"],
+)
+def test_sums_on_obstacles(compiled: Loops, shape: Shape) -> None:
+    """Forces and both tangents of lines in contact with each."""
+    x = RNG.uniform(-0.4, 0.4, size=(200, 3))
+    nodes = np.arange(200).reshape(100, 2)
+    start, end = x[nodes].transpose(1, 2, 0)
+    points = shape.points(start, end - start, np.full(100, 0.2), np.ones(100))
+    assert len(points.item) > 50
+    stencils = Stencils(DofMap(len(x), 0, (0, 1, 2), len(x)), nodes)
+    none = np.zeros(len(points.item))
+    touching = Touching(0, stencils, points, none, lambda: np.zeros((3, 0)), none.astype(np.int64), none)
+    i, j = np.triu_indices(6)
+    upper = SymmetricPlaces(np.arange(2100).reshape(100, 21), i, j)
+    found = []
+    for loops in (compiled, Batches()):
+        r, values = np.zeros(600), np.zeros((2, 2100))
+        loops.add_forces(touching, points.pull * points.gap, r)
+        loops.add_squares(touching, upper, values[0])
+        loops.add_hessians(touching, upper, values[1])
+        assert np.abs(values[0]).max() > 0.0
+        found.append((r, *values))
+    for one, other in zip(*found, strict=True):
+        assert_allclose(one, other, rtol=0, atol=1e-12 * np.abs(other).max())
