@@ -97,10 +97,23 @@ class Cost(_Strict):
     entries: int
     solver: str
     steps: int
+    adaptive: bool = Field(description="Whether the number of steps is a guess.")
+    iterations: float = Field(description="Newton iterations that a step usually takes.")
     frames: int
     seconds: float
     memory: float
     disk: float
+
+
+class Modes(_Strict):
+    """Swings at the start: periods in s, shares kept; null where steps adapt."""
+
+    slowest: float
+    fastest: float
+    step: float | None
+    kept: float | None = Field(description="Of the slowest swing after a period.")
+    late: float | None = Field(description="By how much its period is too long, as a share.")
+    kept_fastest: float | None = Field(description="Of the fastest swing after a step.")
 
 
 class Joint(_Strict):
@@ -127,6 +140,7 @@ class Checked(_Strict):
     loops: list[str]
     warnings: list[str]
     cost: Cost
+    modes: Modes | None = Field(description="Swings at the start; null where they are not known.")
 
 
 class Refused(_Strict):

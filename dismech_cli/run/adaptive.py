@@ -22,8 +22,9 @@ from .pace import Pace
 _SAFE, _NOW, _LAST = 0.9, 0.7, 0.4
 # By how much a step may differ from the last one, and an error that counts as none.
 _LEAST, _MOST, _NONE = 0.2, 2.0, 1e-8
-# Steps that would change by less stay: a change costs generalised-alpha accuracy, and the matrix its use.
-_KEPT = (0.9, 1.2)
+# Steps that the last error alone would change by less stay: a change costs generalised-alpha accuracy. What
+# could be longer than that grows at least by a power of it: where errors stay small, PI control hardly grows.
+_KEPT, _EAGER = (0.9, 1.5), 0.35
 # A step that ends this share of itself before an event goes on to it.
 _STRETCH = 1.1
 # A run takes about so many steps at a tolerance of 1e-3, and these after every event.
@@ -161,11 +162,7 @@ class Adaptive:
         """The control a step on."""
         motion = self._motion(result)
         error, t = self._error(result, motion), result.state.t
-        order = self.integrator.error_order
-        factor = _SAFE * error ** (-_NOW / order) * self.last ** (_LAST / order)
-        factor = min(max(factor, _LEAST), 1.0 if self.cut else _MOST)
-        if _KEPT[0] <= factor <= _KEPT[1]:
-            factor = 1.0
+        factor = min(max(self._change(error), _LEAST), 1.0 if self.cut else _MOST)
         step = factor * (t - self.at)
         if factor >= 1.0:
             # an event or a law that shortened a step says nothing of the next one
@@ -195,6 +192,15 @@ class Adaptive:
         """The first sample after now [s]."""
         place = int(np.searchsorted(self.samples, self.at, side="right"))
         return float(self.samples[place]) if place < len(self.samples) else inf
+
+    def _change(self, error: float) -> float:
+        """By how much the next step is longer than one of this error."""
+        order = self.integrator.error_order
+        alone = float(_SAFE * error ** (-1.0 / order))
+        if _KEPT[0] <= alone <= _KEPT[1]:
+            return 1.0
+        smooth = float(_SAFE * error ** (-_NOW / order) * self.last ** (_LAST / order))
+        return max(smooth, float(alone**_EAGER)) if alone > 1.0 else smooth
 
     def _cut(self, factor: float) -> Adaptive:
         step = max(factor * (self.target - self.at), self.tolerance.shortest)

@@ -11,6 +11,9 @@ from .exit_codes import Exit
 from .narrator import Narrator
 from .verdicts import Verdict, judge
 
+# Iterations of a step from which on two steps of half its length usually take fewer; not told of a few steps.
+_MANY, _SOME = 8.0, 20
+
 
 @dataclass(frozen=True, slots=True)
 class Ending:
@@ -42,6 +45,8 @@ def conclude(
     """
     for doubt in outcome.doubts:
         narrator.warn(doubt)
+    if laborious := _laborious(scenario, outcome):
+        narrator.say(laborious)
     match outcome.end:
         case End.FAILED:
             narrator.error("\n  ".join(filter(None, (outcome.message, advice))))
@@ -60,6 +65,18 @@ def conclude(
             names = ", ".join(verdict.name for verdict in missed)
             narrator.error(f"expectation missed: {names}")
             return Ending(Exit.EXPECTATION, f"missed: {names}", verdicts)
+
+
+def _laborious(scenario: Scenario, outcome: Outcome) -> str:
+    """That steps are so long that shorter ones cost less; empty if they are not."""
+    numerics, counts = scenario.numerics, outcome.counters
+    steps, iterations = counts["steps"], counts["iterations"]
+    if numerics.dt is None or numerics.adapts or steps < _SOME or iterations <= _MANY * steps:
+        return ""
+    return (
+        f"{iterations / steps:.1f} Newton iterations per step, {counts['cuts']} cuts in {steps} steps: half "
+        f"the step is likely cheaper, and more accurate: --set numerics.dt='{0.5 * numerics.dt:.3g} s'"
+    )
 
 
 def _pause_code(limits: Limits, outcome: Outcome, stop: StopRequest) -> int:

@@ -16,18 +16,23 @@ from ..control.plugin import load_plugins
 from ..kinematics.motion import held_dofs
 from ..output.frame import Topology
 from ..output.jsonable import Json, to_json
+from ..run.simulation import Simulation
 from ..scenario.load import load
 from ..scenario.text.parameters import Parameter
 from ..scenario.views.provenance import as_json
 from ..solve.system import System
 from .joints import JointLine, joint_lines
 from .loops import look_at_loops, nominal_step
+from .modes import Modes, find_modes
 
 # Measured on one core of 2.5 GHz: seconds per Newton iteration, fixed, per edge and per triangle,
 # linear solve included; factors of a surface fill by a power of its size. Good within a factor of three.
-_ITERATION = {"numpy": (1.2e-3, 3.0e-6, 4.0e-6), "numba": (0.3e-3, 1.2e-6, 1.0e-6)}
+_ITERATION = {"numpy": (1.2e-3, 3.0e-6, 4.0e-6), "numba": (0.2e-3, 1.2e-6, 1.0e-6)}
 _FILL, _FILL_POWER = 3.3e-7, 1.35
-_ITERATIONS_PER_STEP = 4.0
+# Besides its iterations a step costs this, for the account and what is watched, and contact this in each [s].
+_STEP, _CONTACT = {"numpy": 0.6e-3, "numba": 0.15e-3}, {"numpy": 3.0e-3, "numba": 1.0e-3}
+# Newton iterations of a load step and of a stage of a time step, and what adaptive steps and contact add.
+_OF_STATICS, _OF_STAGE, _OF_ADAPTING, _OF_CONTACT = 5.0, 1.8, 0.2, 0.2
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -40,6 +45,8 @@ class Cost:
         entries: Stored entries of the matrix.
         solver: Linear solver.
         steps: Nominal time steps.
+        adaptive: Whether that is a guess: steps adapt.
+        iterations: Newton iterations that a step usually takes.
         frames: Frames written.
         seconds: Rough wall time [s].
         memory: Peak of the process [byte], within a factor of 1.5; pictures are drawn by another.
@@ -51,6 +58,8 @@ class Cost:
     entries: int
     solver: str
     steps: int
+    adaptive: bool
+    iterations: float
     frames: int
     seconds: float
     memory: float
@@ -95,6 +104,7 @@ class Finding:
         parameters: Of the scenario, by name.
         cost: Size and price.
         loops: Gains of sampled controllers.
+        modes: Slowest and fastest swing; None where they are not known.
     """
 
     path: Path
@@ -105,6 +115,7 @@ class Finding:
     warnings: tuple[str, ...]
     parameters: Mapping[str, Parameter]
     cost: Cost
+    modes: Modes | None = None
     loops: tuple[str, ...] = ()
 
     def as_json(self) -> dict[str, Json]:
@@ -120,6 +131,7 @@ class Finding:
             "loops": list(self.loops),
             "warnings": list(self.warnings),
             "cost": to_json(asdict(self.cost)),
+            "modes": None if self.modes is None else to_json(asdict(self.modes)),
         }
 
     def __str__(self) -> str:
@@ -134,7 +146,9 @@ class Finding:
                 *(f"  {d.what}\n    because: {d.why}" for d in self.decisions),
                 *(f"  {loop}" for loop in self.loops),
                 f"  {c.free} free of {c.dofs} DOFs, {c.entries} matrix entries, {c.solver} solver",
-                f"  {c.steps} steps, {c.frames} frames",
+                *([] if self.modes is None else [f"  {self.modes}"]),
+                f"  {'about ' if c.adaptive else ''}{c.steps} steps, {c.frames} frames, about "
+                f"{c.iterations:.2g} Newton iterations per step",
                 f"  about {_duration(c.seconds)}, {_bytes(c.memory)} of memory, {_bytes(c.disk)} on disk",
             ]
         )
@@ -161,7 +175,7 @@ def inspect(
             raise loaded.error(("controllers", loop.name), loop.error)
     doubtful = tuple(loop.warning for loop in loops if loop.warning)
     warnings = (*loaded.warnings, *composition.plan.warnings, *doubtful)
-    decisions = composition.plan.decisions
+    decisions, numerics = composition.plan.decisions, loaded.scenario.numerics
     return Finding(
         path,
         extents(composition.geometry),
@@ -170,7 +184,8 @@ def inspect(
         decisions,
         warnings,
         loaded.parameters,
-        estimate(composition),
+        estimate(composition, adaptive=numerics.adapts),
+        find_modes(composition.simulation, None if numerics.adapts else numerics.dt),
         tuple(loop.text for loop in loops),
     )
 
@@ -190,8 +205,13 @@ def extents(geometry: Geometry) -> tuple[Extent, ...]:
     return tuple(found)
 
 
-def estimate(composition: Composition) -> Cost:
-    """Count what can be counted and guess the rest."""
+def estimate(composition: Composition, *, adaptive: bool = False) -> Cost:
+    """Count what can be counted and guess the rest.
+
+    Args:
+        composition: What would be run.
+        adaptive: Whether its steps adapt.
+    """
     simulation = composition.simulation
     model, topology = simulation.model, simulation.topology
     wanted = simulation.linear_solver
@@ -199,6 +219,7 @@ def estimate(composition: Composition) -> Cost:
     pattern = system.pattern
     steps = simulation.control.steps
     end = simulation.control.t_end
+    iterations = _iterations(simulation, adaptive=adaptive)
     frames = steps + 1
     if simulation.frame_every > 0.0:
         frames = min(frames, int(end / simulation.frame_every * (1.0 + 1e-12)) + 1)
@@ -206,17 +227,30 @@ def estimate(composition: Composition) -> Cost:
     solver = system.solver.name
     edges, triangles = len(topology.edges), len(topology.triangles)
     iteration = fixed + edge * edges + triangle * triangles + _FILL * triangles**_FILL_POWER
+    iteration += _CONTACT[composition.plan.kernels] if model.changing else 0.0
     return Cost(
         dofs=model.dofs.n,
         free=pattern.m,
         entries=pattern.nnz,
         solver=solver,
         steps=steps,
+        adaptive=adaptive,
+        iterations=iterations,
         frames=frames,
-        seconds=steps * _ITERATIONS_PER_STEP * iteration,
+        seconds=steps * (_STEP[composition.plan.kernels] + iterations * iteration),
         memory=memory(model, composition.plan.kernels, solver, pattern.nnz),
         disk=8.0 * frames * _numbers_per_frame(topology),
     )
+
+
+def _iterations(simulation: Simulation, *, adaptive: bool) -> float:
+    """Newton iterations that a step usually takes."""
+    if not simulation.model.mass.any():
+        return _OF_STATICS
+    stage = (
+        _OF_STAGE + (_OF_ADAPTING if adaptive else 0.0) + (_OF_CONTACT if simulation.model.changing else 0.0)
+    )
+    return stage * simulation.integrator.stages
 
 
 def _numbers_per_frame(topology: Topology) -> int:

@@ -278,7 +278,7 @@ def test_a_run_goes_on_with_the_other_kind_of_steps(adaptive: bool) -> None:
     assert float(last[1]["state.t"]) < kept.ends[0] < float(last[1]["state.t"]) + 2.1e-3
 
 
-@pytest.mark.parametrize("name", ["tr_bdf2", "generalized_alpha"])
+@pytest.mark.parametrize("name", ["tr_bdf2", pytest.param("generalized_alpha", marks=pytest.mark.slow)])
 def test_iterations_on_a_twitch_are_fewer_than_at_fixed_steps(name: str) -> None:
     """At equal error, against the fixed step that has it: at most 0.85 of them."""
     own = f"numerics.integrator={{type: {name}}}"

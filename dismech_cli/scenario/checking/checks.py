@@ -128,6 +128,12 @@ def _time(scenario: Scenario) -> Iterator[Finding]:
         return
     if numerics.t_end is None:
         yield ("numerics", "t_end"), "missing key: a run in time needs it"
+    if numerics.dt is None and scenario.contact is not None and numerics.step.adaptive is None:
+        yield (
+            ("numerics", "dt"),
+            "missing key: where bodies touch, steps adapt only if 'step: {adaptive: true}' says so: they are "
+            "as short as impacts",
+        )
     if numerics.dt is None and not numerics.adapts:
         yield ("numerics", "dt"), "missing key: fixed steps need it; without 'adaptive: false' they adapt"
     if numerics.dt is not None and numerics.t_end is not None and numerics.dt > numerics.t_end:

@@ -1,0 +1,74 @@
+"""What `check` and a run say about the step."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import pi, sqrt
+
+import pytest
+from decks import Deck, given_section, line, rod_deck
+
+from dismech_cli import simulate
+from dismech_cli.compose.compose import compose
+from dismech_cli.run.interrupt import StopRequest
+from dismech_cli.run.loop import Limits, Outcome
+from dismech_cli.scenario.load import load_mapping
+from dismech_cli.session.ending import conclude
+from dismech_cli.session.modes import find_modes
+from dismech_cli.session.narrator import Silent
+
+DECK: Deck = rod_deck(
+    line(41),
+    given_section(axial=1e4),
+    motions=[{"type": "clamp", "where": "rod.start", "at": "node"}],
+    numerics={"dt": 0.02, "t_end": 0.5},
+)
+
+
+class Told(Silent):
+    """Keeps what it is told."""
+
+    def __init__(self) -> None:
+        self.lines: list[str] = []
+
+    def say(self, text: str) -> None:
+        self.lines.append(text)
+
+
+def test_the_slowest_swing_is_that_of_a_cantilever_and_the_fastest_that_of_its_edges() -> None:
+    """2 pi / 1.8751^2 sqrt(m l^4 / EI), and 2 sqrt(EA / m) / dl for the axial mode that zigzags."""
+    modes = find_modes(compose(load_mapping(DECK)).simulation, 0.02)
+    assert modes is not None
+    assert modes.slowest == pytest.approx(2 * pi / 1.875104**2, rel=0.01)
+    bending, axial = 4.0 / 0.025**2, 2.0 * sqrt(1e4) / 0.025
+    assert modes.fastest == pytest.approx(2 * pi / max(bending, axial), rel=0.05)
+    # TR-BDF2 damps the fast one wholly, the slow one by about (omega dt)^3 a step
+    assert modes.kept_fastest is not None
+    assert modes.kept_fastest < 0.01
+    assert modes.kept is not None
+    assert 0.98 < modes.kept < 1.0
+    assert "steps" in str(modes)
+
+
+def test_what_has_no_swings_tells_none() -> None:
+    deck = DECK | {"numerics": {"integrator": {"type": "static"}}}
+    assert find_modes(compose(load_mapping(deck)).simulation, None) is None
+
+
+def test_adaptive_steps_tell_periods_alone() -> None:
+    deck = DECK | {"numerics": {"t_end": 0.5}}
+    modes = find_modes(compose(load_mapping(deck)).simulation, None)
+    assert modes is not None
+    assert modes.step is None
+    assert "steps" not in str(modes)
+
+
+@pytest.mark.parametrize(("iterations", "told"), [(20 * 25, True), (3 * 25, False)])
+def test_a_laborious_run_says_what_is_likely_cheaper(iterations: int, told: bool) -> None:
+    loaded = load_mapping(DECK)
+    report = simulate(loaded)
+    counts = {**report.outcome.counters, "iterations": iterations}
+    outcome: Outcome = replace(report.outcome, counters=counts)
+    narrator = Told()
+    conclude(loaded.scenario, outcome, Limits(), StopRequest(), narrator, advice="")
+    assert any("--set numerics.dt='0.01 s'" in text for text in narrator.lines) == told
