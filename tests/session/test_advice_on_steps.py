@@ -12,10 +12,10 @@ from dismech_cli import simulate
 from dismech_cli.compose.compose import compose
 from dismech_cli.run.interrupt import StopRequest
 from dismech_cli.run.loop import Limits, Outcome
+from dismech_cli.run.sink import Progress
 from dismech_cli.scenario.load import load_mapping
 from dismech_cli.session.ending import conclude
 from dismech_cli.session.modes import find_modes
-from dismech_cli.session.narrator import Silent
 
 DECK: Deck = rod_deck(
     line(41),
@@ -25,14 +25,19 @@ DECK: Deck = rod_deck(
 )
 
 
-class Told(Silent):
-    """Keeps what it is told."""
+class Told:
+    """Keeps what it is told, and shows nothing."""
 
     def __init__(self) -> None:
         self.lines: list[str] = []
 
     def say(self, text: str) -> None:
         self.lines.append(text)
+
+    warn = error = detail = say
+
+    def progress(self, progress: Progress) -> None:
+        pass
 
 
 def test_the_slowest_swing_is_that_of_a_cantilever_and_the_fastest_that_of_its_edges() -> None:
@@ -42,11 +47,11 @@ def test_the_slowest_swing_is_that_of_a_cantilever_and_the_fastest_that_of_its_e
     assert modes.slowest == pytest.approx(2 * pi / 1.875104**2, rel=0.01)
     bending, axial = 4.0 / 0.025**2, 2.0 * sqrt(1e4) / 0.025
     assert modes.fastest == pytest.approx(2 * pi / max(bending, axial), rel=0.05)
-    # TR-BDF2 damps the fast one wholly, the slow one by about (omega dt)^3 a step
+    # TR-BDF2 damps the fast one by about 5 / (omega dt) a step, the slow one by less than (omega dt)^3
     assert modes.kept_fastest is not None
-    assert modes.kept_fastest < 0.01
+    assert modes.kept_fastest < 0.05
     assert modes.kept is not None
-    assert 0.98 < modes.kept < 1.0
+    assert 0.999 < modes.kept < 1.0
     assert "steps" in str(modes)
 
 
