@@ -40,6 +40,7 @@ class Studied:
         rows: All runs, the cheapest first.
         found: What each alternative came to that was worth it, the answer first.
         count: How many combinations there are.
+        missing: What was not refined, whose error comes on top: ``steps``, ``mesh``.
         load: Mean number of busy cores of the machine as it ended; None if unknown.
     """
 
@@ -50,6 +51,7 @@ class Studied:
     rows: tuple[Row, ...]
     found: tuple[Found, ...]
     count: int
+    missing: tuple[str, ...]
     load: float | None
 
     @property
@@ -64,10 +66,12 @@ class Studied:
             why = self.found[0].reason if self.found else "no alternative is stable on these levels"
             return f"no setting with an error below {self.target:.3g}: {why}"
         one = self.answer
-        return (
-            f"error {one.error:.2g} (steps {one.time.error:.2g}, mesh {one.mesh.error:.2g}) for "
-            f"{one.point.cpu:.2g} CPU s: {set_line(one.point.settings)}"
+        shares = {"steps": one.time.error, "mesh": one.mesh.error}
+        told = ", ".join(
+            f"{name} not known, none finer was tried" if name in self.missing else f"{name} {share:.2g}"
+            for name, share in shares.items()
         )
+        return f"error {one.error:.2g} ({told}) for {one.point.cpu:.2g} CPU s: {set_line(one.point.settings)}"
 
 
 def set_line(settings: Sequence[Setting]) -> str:

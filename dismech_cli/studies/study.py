@@ -14,6 +14,7 @@ from ..output.durable import output_errors, write_bytes
 from ..output.jsonable import dumps
 from ..run.interrupt import stop_on_signals
 from ..scenario.language.motion import Clamp
+from ..scenario.language.numerics import Static
 from ..scenario.language.study import Axis, Measured
 from ..scenario.load import LoadedScenario
 from ..session.narrator import Narrator
@@ -23,7 +24,7 @@ from .measure import Point, measure
 from .page import write_page
 from .points import Base
 from .search import Search
-from .space import Setting, make_space, with_study
+from .space import Setting, Space, make_space, with_study
 from .studied import Row, Studied
 from .study_page import study_page
 from .study_text import as_json, csv_text, markdown
@@ -95,10 +96,18 @@ def study(request: Request, narrator: Narrator) -> Studied:
         rows=_rows(search),
         found=tuple(found),
         count=space.count,
+        missing=() if yardstick.known else _missing(loaded, space),
         load=os.getloadavg()[0] if hasattr(os, "getloadavg") else None,
     )
     _write(studied)
     return studied
+
+
+def _missing(loaded: LoadedScenario, space: Space) -> tuple[str, ...]:
+    """What no axis refines."""
+    static = isinstance(loaded.scenario.numerics.integrator, Static)
+    steps = () if space.time.keys or static else ("steps",)
+    return steps if space.mesh.keys else (*steps, "mesh")
 
 
 def _refuse_given(base: Base, settings: Sequence[Setting]) -> None:

@@ -24,6 +24,7 @@ def as_json(studied: Studied) -> dict[str, Json]:
         "quantities": to_json({name: one.model_dump() for name, one in studied.quantities.items()}),
         "runs": len(studied.rows),
         "combinations": studied.count,
+        "not_refined": list(studied.missing),
         "points": [_point(row) for row in studied.rows],
         "found": [_found(one) for one in studied.found],
         "load": studied.load,

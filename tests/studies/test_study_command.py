@@ -130,3 +130,10 @@ def test_what_does_not_move_is_refused(call: Call, tmp_path: Path) -> None:
     result = call("study", str(_scene(tmp_path, deck)), "-o", str(tmp_path / "out"))
     assert result.code == 2
     assert "root does not change in the run" in result.stderr
+
+
+def test_what_was_not_refined_is_told(call: Call, tmp_path: Path) -> None:
+    """An error of steps alone is no error of the scene."""
+    _, found = _studied(call, tmp_path, *STEPS, "--target", "5%")
+    assert found["not_refined"] == ["mesh"]
+    assert "mesh not known, none finer was tried" in found["message"]
