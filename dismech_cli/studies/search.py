@@ -120,16 +120,17 @@ class Search:
             range(len(space.methods)), range(len(space.time)), range(len(space.mesh))
         ):
             self.at(method, time, mesh)
-        errors = self.known_errors()
+        shares = self._known_shares()
+        errors = {key: sum(pair) for key, pair in shares.items()}
+
+        def found(key: Key, reason: str = "") -> Found:
+            steps, shape = map(Estimate, shares[key])
+            return Found(self.points[key], steps, shape, not reason, reason)
+
         robust = [key for key in errors if all(errors.get(k, inf) <= self.target for k in self._finer(key))]
-        found = [
-            Found(self.points[key], Estimate(errors[key]), NO_ERROR, True)
-            for key in sorted(robust, key=lambda key: self.points[key].cpu)
-        ]
-        return found[:1] or [
-            Found(self.points[key], Estimate(errors[key]), NO_ERROR, False, _UNREACHED)
-            for key in sorted(errors, key=lambda key: errors[key])[:1]
-        ]
+        if robust:
+            return [found(min(robust, key=lambda key: self.points[key].cpu))]
+        return [found(key, _UNREACHED) for key in sorted(errors, key=lambda key: errors[key])[:1]]
 
     def _finer(self, key: Key) -> set[Key]:
         """A point and the next finer ones."""
@@ -182,8 +183,13 @@ class Search:
 
     def known_errors(self) -> dict[Key, float]:
         """Errors of all runs that lie on lines of levels whose finest error is known."""
+        return {key: sum(pair) for key, pair in self._known_shares().items()}
+
+    def _known_shares(self) -> dict[Key, tuple[float, float]]:
+        """The same of steps and of the mesh; both together as the first where right values are known."""
         if self.yardstick.known:
-            return {key: self.yardstick.error(one.courses) for key, one in self.points.items() if one.stable}
+            found = ((key, one) for key, one in self.points.items() if one.stable)
+            return {key: (self.yardstick.error(one.courses), 0.0) for key, one in found}
         steps: dict[tuple[int, int], float] = {}
         shapes: dict[int, float] = {}
         for method, mesh in sorted({(m, h) for m, _, h in self.points}):
@@ -197,7 +203,7 @@ class Search:
             for key, error in self._line_errors(line, ratio, order, len(self.space.mesh)):
                 shapes[key[2]] = max(shapes.get(key[2], 0.0), error)
         return {
-            key: steps[key[:2]] + shapes[key[2]]
+            key: (steps[key[:2]], shapes[key[2]])
             for key, one in self.points.items()
             if one.stable and key[:2] in steps and key[2] in shapes
         }
