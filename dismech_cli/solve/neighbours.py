@@ -81,10 +81,9 @@ class Neighbours:
         """Derivative of what has these values at the neighbours."""
         return self.difference(values, self.step)
 
-    def affine_slope(self, values: Sequence[FloatArray]) -> FloatArray:
-        """The same of what is affine in the parameter, from its values at the first two neighbours."""
-        first, second = self.difference.offsets[:2]
-        slope: FloatArray = (values[0] - values[1]) / ((first - second) * self.step)
+    def affine_slope(self, ahead: FloatArray, here: FloatArray) -> FloatArray:
+        """The same of what is affine in the parameter, from its values at the first neighbour and here."""
+        slope: FloatArray = (ahead - here) / (self.difference.offsets[0] * self.step)
         return slope
 
 
@@ -116,7 +115,14 @@ class ParameterSlope:
         nothing: Whether the parameter changes nothing at all.
     """
 
-    def __init__(self, index: int, model: Model, near: Neighbours, pattern: SparsityPattern) -> None:
+    def __init__(
+        self,
+        index: int,
+        model: Model,
+        near: Neighbours,
+        pattern: SparsityPattern,
+        terms: Sequence[BoundTerm],
+    ) -> None:
         """Find what changes.
 
         Args:
@@ -124,6 +130,7 @@ class ParameterSlope:
             model: The model at the value itself.
             near: Its neighbours.
             pattern: Holds all DOFs; terms want one when they are bound.
+            terms: Those of the model, bound to it.
 
         Raises:
             UnlikeError: A neighbour has another structure.
@@ -139,12 +146,15 @@ class ParameterSlope:
             if not all(alike(term, other.terms[index]) for other in near.models)
         ]
         self._terms = [
-            _Varied(near, tuple(other.terms[index].bind(pattern, other.driver) for other in near.models))
+            _Varied(
+                near, index, tuple(other.terms[index].bind(pattern, other.driver) for other in near.models)
+            )
             for index in changed
         ]
         for c in _anywhere(model, near.starts[0]):
+            here = Here(c, terms)
             for term in self._terms:
-                term.look(c)
+                term.look(here)
         self.mass = near.slope([other.mass for other in near.models])
         self._inert = not self.mass.any()
         starts = [(one.q, one.v, one.a, one.frames) for one in near.starts]
@@ -153,11 +163,11 @@ class ParameterSlope:
             not changed and self._inert and not self.moves and all(alike(starts[0], x) for x in starts)
         )
 
-    def of_balance(self, c: Configuration, a: FloatArray) -> FloatArray:
+    def of_balance(self, here: Here, a: FloatArray) -> FloatArray:
         """D(M a + r)/dp at a fixed state, shape (n,)."""
-        total = np.zeros_like(c.q) if self._inert else self.mass * a
+        total = np.zeros_like(a) if self._inert else self.mass * a
         for term in self._terms:
-            total = total + term.slope(c)
+            total = total + term.slope(here)
         return total
 
     def of_holds(
@@ -198,37 +208,53 @@ class ParameterSlope:
         return q, v, a, tuple(near.slope(angles) for angles in zip(*turned, strict=True))
 
 
-class _Varied:
-    """A term at the neighbours; two evaluations tell all of what is affine, as in moduli and loads."""
+class Here:
+    """Residuals of the terms of a model at a trial point, each found once for all parameters."""
 
-    def __init__(self, near: Neighbours, terms: tuple[BoundTerm, ...]) -> None:
-        self._near, self._terms = near, terms
+    def __init__(self, c: Configuration, terms: Sequence[BoundTerm]) -> None:
+        self.c = c
+        self._terms = terms
+        self._found: dict[int, FloatArray] = {}
+
+    def residual(self, index: int) -> FloatArray:
+        """That of one term, shape (n,)."""
+        if index not in self._found:
+            self._found[index] = _residual(self._terms[index], self.c)
+        return self._found[index]
+
+
+def _residual(term: BoundTerm, c: Configuration) -> FloatArray:
+    r = np.zeros_like(c.q)
+    term.add_residual(c, r)
+    return r
+
+
+class _Varied:
+    """A term at the neighbours; one evaluation more tells all of what is affine, as in moduli and loads."""
+
+    def __init__(self, near: Neighbours, index: int, terms: tuple[BoundTerm, ...]) -> None:
+        self._near, self._index, self._terms = near, index, terms
         # on one side alone a wrong guess would cost three orders of accuracy
         self._affine = near.difference is CENTRAL
+        self._seen = False
 
-    def look(self, c: Configuration) -> None:
+    def look(self, here: Here) -> None:
         """Whether it may still be affine, seen at a trial point."""
-        values = self._values(c, len(self._terms))
+        values = [_residual(term, here.c) for term in self._terms]
         size = max(float(np.abs(value).max(initial=0.0)) for value in values)
-        rough, fine = self._near.affine_slope(values), self._near.slope(values)
+        rough, fine = self._near.affine_slope(values[0], here.residual(self._index)), self._near.slope(values)
         apart = float(np.abs(rough - fine).max(initial=0.0))
         # what rounding of the values alone may leave
         rounding = 64.0 * _EPS * size / self._near.step
         self._affine &= apart <= rounding + 1e-13 * float(np.abs(fine).max(initial=0.0))
+        # what matters at other times only, as a knot of a table does, is not known to be affine
+        self._seen |= float(np.abs(fine).max(initial=0.0)) > rounding
 
-    def slope(self, c: Configuration) -> FloatArray:
+    def slope(self, here: Here) -> FloatArray:
         """Derivative of its residual, shape (n,)."""
-        if self._affine:
-            return self._near.affine_slope(self._values(c, 2))
-        return self._near.slope(self._values(c, len(self._terms)))
-
-    def _values(self, c: Configuration, count: int) -> list[FloatArray]:
-        values = []
-        for term in self._terms[:count]:
-            r = np.zeros_like(c.q)
-            term.add_residual(c, r)
-            values.append(r)
-        return values
+        if self._affine and self._seen:
+            return self._near.affine_slope(_residual(self._terms[0], here.c), here.residual(self._index))
+        return self._near.slope([_residual(term, here.c) for term in self._terms])
 
 
 def _anywhere(model: Model, start: State) -> list[Configuration]:

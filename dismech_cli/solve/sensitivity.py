@@ -23,7 +23,7 @@ from ..model.configuration import Configuration
 from ..model.model import Model
 from ..model.state import State
 from .integrators import Integrator, at_state
-from .neighbours import Neighbours, ParameterSlope, Variation
+from .neighbours import Here, Neighbours, ParameterSlope, Variation
 from .slopes import Balance, Slope, Slopes
 from .tape import SolvedStage, TapedStep
 
@@ -65,7 +65,8 @@ class Differentiated:
         self.model, self.integrator = model, integrator
         self._slope = Slope(model)
         self.parameters = tuple(
-            ParameterSlope(k, model, near, self._slope.pattern) for k, near in enumerate(parameters)
+            ParameterSlope(k, model, near, self._slope.pattern, self._slope.terms)
+            for k, near in enumerate(parameters)
         )
         self.edges = model.frames.turning
         self._moves = bool(model.mass.any())
@@ -111,7 +112,8 @@ class Differentiated:
 
     def by_parameters(self, c: Configuration, a: FloatArray) -> FloatArray:
         """D(M a + r)/dp at a fixed state, shape (n, P)."""
-        return np.stack([one.of_balance(c, a) for one in self.parameters], axis=1)
+        here = Here(c, self._slope.terms)
+        return np.stack([one.of_balance(here, a) for one in self.parameters], axis=1)
 
     def start(self, start: State) -> Variation:
         """Derivative of where the run starts."""

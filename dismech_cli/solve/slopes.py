@@ -88,7 +88,13 @@ class Slopes:
 
 
 class Slope:
-    """Finds slopes of one model, bound once to a pattern of all its DOFs with both triangles."""
+    """Finds slopes of one model, bound once to a pattern of all its DOFs with both triangles.
+
+    Attributes:
+        model: The semi-discrete system.
+        pattern: The pattern.
+        terms: Its terms, bound.
+    """
 
     def __init__(self, model: Model) -> None:
         """Bind all terms.
@@ -105,8 +111,8 @@ class Slope:
         self._symmetric: list[BoundTerm] = []
         self._rates: list[BoundTerm] = []
         self._general: list[BoundTerm] = []
-        for term in model.terms:
-            bound = term.bind(pattern, model.driver)
+        self.terms = tuple(term.bind(pattern, model.driver) for term in model.terms)
+        for term, bound in zip(model.terms, self.terms, strict=True):
             if term.velocity_dependent:
                 self._rates.append(bound)
             elif not all_symmetric(term.couplings):
