@@ -14,7 +14,6 @@ from ..arrays import FloatArray
 from ..compose.compose import Composition
 from ..errors import LawError, ScenarioError, SolverError
 from ..output.durable import staged
-from ..run.simulation import Simulation
 from ..scenario.load import LoadedScenario
 from ..session.narrator import Narrator, Silent
 from ..solve.integrators import Static
@@ -26,6 +25,9 @@ from .gradient_reading import Readings, states
 from .gradient_run import TapedRun, differentiated, exactly, quietly, run_taped, why_not
 from .gradient_setting import Nearby, Setting, nearby
 from .source import Source
+
+# Step of differences of runs, of each value.
+_STEP = 1e-3
 
 
 @dataclass(slots=True)
@@ -53,6 +55,7 @@ class Experiment:
         folder: Where evaluations are kept.
         narrator: Told of each.
         runs: Runs made by this process.
+        why: Why there are no exact derivatives; empty if there are, None before that is known.
     """
 
     source: Source
@@ -62,6 +65,7 @@ class Experiment:
     folder: Path
     narrator: Narrator
     runs: int = field(default=0, init=False)
+    why: str | None = field(default=None, init=False)
     _known: dict[bytes, Evaluation] = field(default_factory=dict, init=False)
     _tapes: dict[bytes, tuple[Source, Composition, TapedRun]] = field(default_factory=dict, init=False)
 
@@ -90,10 +94,46 @@ class Experiment:
         assert found is not None
         if found.slopes is None:
             composition, run = self._taped(values)
-            found.slopes = self._differentiated(values, composition, run)
+            if self.why is None:
+                self.why = why_not(run.simulation)
+                if self.why:
+                    self.narrator.say(f"gradients by differences of runs: {self.why}")
+            found.slopes = (
+                self._by_runs(values) if self.why else self._differentiated(values, composition, run)
+            )
             self._keep(key)
             self._tapes.clear()
         return found.slopes
+
+    def _by_runs(self, values: FloatArray) -> list[FloatArray]:
+        """Central differences of runs; on one side where the run on the other fails.
+
+        Raises:
+            SolverError: Both fail.
+        """
+        columns = []
+        for k, setting in enumerate(self.settings):
+            step = _STEP * max(setting.size, abs(float(values[k])))
+            sides = []
+            for offset in (step, -step):
+                there = values.copy()
+                there[k] += offset
+                if (found := self._beside(there)) is not None:
+                    sides.append((offset, found.predicted))
+            if len(sides) < 2 and (here := self.at(values)) is not None:
+                sides.append((0.0, here.predicted))
+            if len(sides) < 2:
+                raise SolverError(f"no run on either side of {setting.path} = {values[k]:.6g}")
+            (a, one), (b, other) = sides[:2]
+            columns.append([(x - y) / (a - b) for x, y in zip(one, other, strict=True)])
+        return [np.stack(tables, axis=2) for tables in zip(*columns, strict=True)]
+
+    def _beside(self, values: FloatArray) -> Evaluation | None:
+        """An evaluation beside another; None where the scenario does not allow the value either."""
+        try:
+            return self.at(values)
+        except ScenarioError:
+            return None
 
     def _told(self, values: FloatArray) -> str:
         shown = zip(self.settings, values, strict=True)
@@ -109,16 +149,10 @@ class Experiment:
             source = self._source(values)
             composition = quietly(source)
             self.runs += 1
-            run = run_taped(self._simulation(composition), Silent())
+            run = run_taped(exactly(composition, {}), Silent())
             self._tapes = {key: (source, composition, run)}
         _, composition, run = self._tapes[key]
         return composition, run
-
-    def _simulation(self, composition: Composition) -> Simulation:
-        simulation = exactly(composition, {})
-        if why := why_not(simulation):
-            raise ScenarioError(f"cannot be calibrated by exact gradients: {why}")
-        return simulation
 
     def _channel(self, k: int, composition: Composition, near: Sequence[Nearby]) -> Channel:
         spec = self.curves[k].spec

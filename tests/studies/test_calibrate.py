@@ -216,6 +216,19 @@ def test_one_sample_far_off_counts_little_when_robust(call):
     assert values[True] < 0.2 * values[False]
 
 
+def test_a_scene_with_contact_is_fitted_by_runs_and_said_so(call):
+    deck = hanging()
+    deck["obstacles"] = [{"type": "plane", "name": "floor", "point": [0, 0, -0.08], "normal": [0, 0, 1]}]
+    deck["contact"] = {"pairs": [{"between": ["arm", "floor"]}]}
+    columns("seen.csv", ["x", "z"], 1e3 * shape(deck)[1:, [0, 2]])
+    table = {"file": "seen.csv", "unit": "mm", "deviation": 0.1}
+    table["markers"] = {"of": "arm", "nodes": list(range(1, 11)), "columns": {"x": "x", "z": "z"}}
+    deck["calibrate"] = {"fit": [{"of": E, "scale": "log"}], "data": [table]}
+    done = call("calibrate", write(deck), "-o", "fit", "--set", f"{E}=1.3e6", "--json")
+    assert "gradients by differences of runs: contact" in done.stderr
+    assert fitted(done)["parameters"][0]["value"] == pytest.approx(1e6, rel=1e-3)
+
+
 @pytest.mark.parametrize(
     ("change", "words"),
     [
