@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from ..compose.compose import Composition, compose
+from ..control.loop import UNCONTROLLED
 from ..errors import ScenarioError, SolverError, UnfinishedError
 from ..run.adaptive import Adaptive
 from ..run.interrupt import StopRequest
@@ -92,6 +93,8 @@ def why_not(simulation: Simulation) -> str:
         return "the load factor of a path of equilibria is an unknown"
     if isinstance(simulation.control, Adaptive):
         return "the lengths of adaptive steps depend on all values; 'numerics.dt' makes them fixed"
+    if simulation.controls is not UNCONTROLLED:
+        return "what controllers put in depends on all states before"
     if model.changing:
         return "contact has no tangent that is exact across its ends"
     if any(edges.shared for edges in model.frames.turning):

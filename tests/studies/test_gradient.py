@@ -118,6 +118,17 @@ def test_contact_is_differentiated_by_runs_and_said_so(call):
     assert refused.code == 2
 
 
+def test_controllers_are_differentiated_by_runs_and_said_so(call):
+    scene = Path(__file__).parents[2] / "scenarios" / "s_shape.yaml"
+    sets = ("numerics.t_end=0.05 s", "expect={}", "output={probes: {tip: {position: arm.end, component: z}}}")
+    words = [word for text in sets for word in ("--set", text)]
+    by = ("--by", "materials.gel.density")
+    done = call("gradient", scene, "--of", "tip", *by, *words, "--json", "-q")
+    result = found(done)
+    assert result.method == "differences"
+    assert "controllers" in str(result.why)
+
+
 def test_adaptive_steps_are_differentiated_by_runs_and_said_so(call):
     deck = planar() | {"output": {"probes": {"tip": {"position": "arm.end", "component": "z"}}}}
     deck["numerics"] = {"integrator": {"type": "tr_bdf2"}, "t_end": 0.05}
