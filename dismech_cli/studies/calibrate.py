@@ -84,6 +84,7 @@ class Table:
         held: Root mean square of those kept out; NaN if there are none.
         scale: Size of a metre in them, where they are of a picture; else 1.
         samples: How many are fitted.
+        shown: What the fit gives in their places, shape (R, C).
     """
 
     curves: Curves
@@ -93,6 +94,7 @@ class Table:
     held: float
     scale: float
     samples: int
+    shown: FloatArray
 
 
 @dataclass(frozen=True, slots=True)
@@ -490,6 +492,7 @@ class _Problem:
             held=float(np.sqrt(np.mean(held**2))) if held.size else float("nan"),
             scale=1.0 if seen is None else camera.scale(seen),
             samples=int(fitted.size),
+            shown=one.values + left * deviation,
         )
 
 

@@ -78,8 +78,8 @@ def as_json(fit: Fit) -> dict[str, Json]:
 
 def as_text(fit: Fit) -> str:
     """For people."""
-    lines = _columns(_parameter_rows(fit)) if fit.knobs else []
-    lines += _columns(_data_rows(fit))
+    lines = _columns(parameter_rows(fit)) if fit.knobs else []
+    lines += _columns(data_rows(fit))
     lines.append(
         f"{fit.evaluations} evaluations, {fit.runs} runs; chi2/dof {fit.chi2:.3g}, "
         f"condition {fit.condition:.2g}"
@@ -91,8 +91,8 @@ def as_markdown(source: Source, fit: Fit) -> str:
     """As a page."""
     parts = [f"# Calibration of {source.path.name}", ""]
     if fit.knobs:
-        parts += [*_table(_parameter_rows(fit)), ""]
-    parts += [*_table(_data_rows(fit)), ""]
+        parts += [*_table(parameter_rows(fit)), ""]
+    parts += [*_table(data_rows(fit)), ""]
     parts.append(
         f"{fit.evaluations} evaluations, {fit.runs} runs. {fit.message} "
         f"Sum of squares per degree of freedom {fit.chi2:.4g}; condition number {fit.condition:.3g}."
@@ -111,7 +111,8 @@ def as_markdown(source: Source, fit: Fit) -> str:
     return "\n".join(parts) + "\n"
 
 
-def _parameter_rows(fit: Fit) -> list[list[str]]:
+def parameter_rows(fit: Fit) -> list[list[str]]:
+    """The values as a table, its head first."""
     head = ["fitted", "start", "value", "deviation"]
     rows = [head + (["at dt / 2"] if len(fit.finer) else [])]
     for k, knob in enumerate(fit.knobs):
@@ -138,7 +139,8 @@ def _deviation(fit: Fit, k: int) -> float:
     return float(fit.deviations[k]) * scale
 
 
-def _data_rows(fit: Fit) -> list[list[str]]:
+def data_rows(fit: Fit) -> list[list[str]]:
+    """How the samples are met, as a table, its head first."""
     rows = [["data", "samples", "rms left", "largest", "held out"]]
     for one in fit.tables:
         unit = one.curves.spec.unit

@@ -74,6 +74,9 @@ def test_two_values_of_a_swinging_arm_are_recovered(call):
     )
     assert again["runs"] == 0
     assert again["parameters"] == found["parameters"]
+    page = (Path("fit") / "report.html").read_text()
+    assert page.count("<svg") + page.count("<img") == 1
+    assert "held out" in page
     assert (Path("fit") / "report.md").read_text().startswith("# Calibration of measured_arm.yaml")
     values = simulate("fit/fitted.yaml", overrides=["calibrate=null"]).composition
     stretch = values.simulation.model.terms[0]

@@ -47,6 +47,7 @@ def calibrate(
     from ...output.jsonable import dumps
     from ...session.exit_codes import Exit
     from ...studies.calibrate import calibrate
+    from ...studies.calibrate_page import write_fit_page
     from ...studies.calibrate_report import as_json, as_text, write_report
     from ...studies.source import Source
     from ..console import emit
@@ -59,5 +60,6 @@ def calibrate(
         for doubt in fit.doubts:
             console.warn(doubt)
     write_report(folder, source, fit)
+    write_fit_page(folder, source, fit)
     emit(dumps(as_json(fit), indent=2) if json else f"{as_text(fit)}\n{folder}")
     return Exit.DONE
