@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -39,12 +39,14 @@ class Friction:
     """Regularised Coulomb friction.
 
     Attributes:
-        slip_speed: Speed at which it is all but full [m/s].
+        full: Speed at which it is all but full [m/s]; of anchored friction a way [m].
         kind: Which tangent Newton's method is given.
+        wall: Makes of obstacles what finds lines that touch them.
     """
 
-    slip_speed: float
+    full: float
     kind: type[SymmetricFriction] | type[FullFriction]
+    wall: Callable[[Wall], Source] = NearWall
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,7 +107,9 @@ class Contacts:
         self._worst = self._worst_by_end = np.zeros(4)
         self._end = np.empty((0, 3))
         # each has loops of its own: what it found last stays until it looks again
-        self._sources: tuple[Source, ...] = tuple(NearWall(wall) for wall in contact.walls)
+        rough = contact.friction
+        wall = NearWall if rough is None else rough.wall
+        self._sources: tuple[Source, ...] = tuple(wall(one) for one in contact.walls)
         if contact.neighbours is not None:
             self._sources = (*self._sources, RodPairs(contact.neighbours, loops_of(driver)))
         if contact.faces is not None:
@@ -116,8 +120,7 @@ class Contacts:
         self._at: Configuration | None = None
         self._touching: tuple[Touching, ...] = ()
         normal = NormalTerm(self, steady=all(source.steady for source in self._sources))
-        rough = contact.friction
-        self._friction = None if rough is None else rough.kind(self, rough.slip_speed)
+        self._friction = None if rough is None else rough.kind(self, rough.full)
         self.terms: tuple[BoundChanging, ...] = (
             (normal,) if self._friction is None else (normal, self._friction)
         )

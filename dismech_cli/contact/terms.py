@@ -188,3 +188,22 @@ class FullFriction(_Friction):
             add(touching, places, by_velocity, into.damping)
 
     add_convex_linearization = add_linearization
+
+
+class AnchoredFriction(FullFriction):
+    """Friction that grows with the way from an anchor, up to a length; see :mod:`.anchored_wall`."""
+
+    def reverses(self, touching: Touching, velocity: FloatArray) -> bool:
+        """Never: it does not follow velocities."""
+        return False
+
+    def add_linearization(self, c: Configuration, into: Linearization) -> None:
+        """Subtract the force and add its tangents: a way changes as much as a place does."""
+        loops = self._found.loops
+        for touching in self._found.touching(c):
+            loops.add_forces(touching, self.forces(touching), into.residual)
+            by_position, by_way = self._tangents(touching)
+            places = self._places[touching.kind]
+            loops.add_general(touching, places, by_position + by_way, into.stiffness)
+
+    add_convex_linearization = add_linearization

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 
 from ...arrays import FloatArray
+from ...contact.anchored_wall import AnchoredWall
 from ...contact.contact import Contact, Friction
 from ...contact.lines import Lines
 from ...contact.stiffness import Given, Rule, Tolerant
-from ...contact.terms import FullFriction, SymmetricFriction
+from ...contact.terms import AnchoredFriction, FullFriction, SymmetricFriction
 from ...contact.walls import Wall
 from ...scenario.language.contact import Contact as ContactSpec
 from ...scenario.language.contact import Law, PenaltyLaw
@@ -24,6 +27,8 @@ from .pairs import Pair, body_pairs, wall_pairs
 
 # At factor one weight alone presses bodies in by this part of the tolerance.
 _RESTING = 0.5
+# Anchored friction is full on this part of the least thickness.
+_LENGTH = 1e-3
 
 
 def make_contact(scene: Scene, structure: Structure) -> Contact:
@@ -49,7 +54,7 @@ def make_contact(scene: Scene, structure: Structure) -> Contact:
         neighbours=neighbours,
         faces=faces,
         rule=rule,
-        friction=_friction(spec, among_bodies=bool(bodies)),
+        friction=_friction(spec, lines, among_bodies=bool(bodies)),
         guards=make_guards(
             spec.law, walls, neighbours, faces, sides, structure.dofs.space_positions(structure.rest)
         ),
@@ -68,10 +73,13 @@ def _hardness(law: Law, lines: Lines) -> tuple[Rule, FloatArray]:
     return Tolerant(allowed), lines.loads / (2.0 * _RESTING * allowed * 2.0 * lines.radii)
 
 
-def _friction(spec: ContactSpec, *, among_bodies: bool) -> Friction | None:
+def _friction(spec: ContactSpec, lines: Lines, *, among_bodies: bool) -> Friction | None:
     rough = spec.friction
     if rough is None:
         return None
+    if rough.stick == "anchored":
+        length = _LENGTH * 2.0 * float(lines.radii.min()) if rough.slip_length is None else rough.slip_length
+        return Friction(length, AnchoredFriction, partial(AnchoredWall, length=length))
     match rough.tangent:
         case "full":
             kind: type[FullFriction] | type[SymmetricFriction] = FullFriction

@@ -111,6 +111,23 @@ class FrictionLaw(Spec):
         "it where bodies touch each other, and `full` where they touch obstacles only.",
     )
 
+    stick: Literal["creeping", "anchored"] = Field(
+        default="creeping",
+        description="What holds below the threshold: friction at a small speed, or anchors that nodes drag "
+        "behind them, on obstacles only, where nothing creeps.",
+    )
+    slip_length: Annotated[float, Quantity("length", gt=0)] | None = Field(
+        default=None,
+        description="Way from the anchor on which friction becomes full; default: a thousandth of the least "
+        "thickness.",
+    )
+
+    @model_validator(mode="after")
+    def _anchored(self) -> FrictionLaw:
+        if self.slip_length is not None and self.stick != "anchored":
+            raise problem("'slip_length' has a meaning with stick: anchored only")
+        return self
+
 
 class Contact(Spec):
     """Contact of bodies with each other and with obstacles."""
