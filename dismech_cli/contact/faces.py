@@ -67,7 +67,7 @@ class Faces:
         return both
 
     def reach(self, pairs: IntArray) -> FloatArray:
-        """Distance at which pairs touch [m], shape (P,): the same for all triangles of a line and a body."""
+        """Distance at which pairs touch [m], shape (P,): one for a line and what is equally thick."""
         line, face = self.bodies(pairs)
         own = np.where(line == face, self.own_reach[pairs[:, 0]], np.inf)
         return np.minimum(self.thickness(pairs), own)

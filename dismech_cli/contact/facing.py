@@ -14,6 +14,9 @@ from .points import Points
 from .secant import with_secant
 from .surface import Faced, Junctions, Shared
 
+# Thicknesses that differ by less than that of a file in single precision are alike.
+_DIGITS = 6
+
 
 @dataclass(frozen=True, slots=True)
 class Facing:
@@ -40,7 +43,9 @@ class Facing:
         """Of some pairs."""
         pairs = faces.pairs(keys)
         nodes = faces.nodes(pairs)
-        junctions = Junctions.of(pairs[:, 0], nodes[:, :2], nodes[:, 2:])
+        kind = _kinds(faces, pairs[:, 1])
+        numbers = pairs[:, 0] * (int(kind.max(initial=0)) + 1) + kind
+        junctions = Junctions.of(numbers, nodes[:, :2], nodes[:, 2:])
         return cls(faces, keys, pairs, nodes, junctions)
 
     def points(
@@ -70,3 +75,19 @@ class Facing:
         for kind, points, of in ((1, sides, shared.side_owner), (2, corners, shared.corner_owner)):
             owner = of[points.item]
             yield kind, with_secant(points, full_reach[owner]), owner
+
+
+def _kinds(faces: Faces, triangles: IntArray) -> IntArray:
+    """Numbers of triangles, the same for those that any line faces at one distance and stiffness, shape (P,).
+
+    Only what is alike cancels where triangles meet. Shells and parts of them that differ have a rim each
+    where they meet: a line feels both within reach of it, and its forces stay those of an energy.
+    """
+    scale = np.abs(faces.stiffness).max(axis=1, initial=0.0, keepdims=True)
+    stiffness = np.round(faces.stiffness / np.maximum(scale, np.finfo(float).tiny), _DIGITS)
+    _, body = np.unique(stiffness.T, axis=0, return_inverse=True)
+    halves = faces.surface.halves
+    steps = np.round(halves[triangles] / halves.max() * 10.0**_DIGITS).astype(np.int64)
+    both = body.reshape(-1)[faces.surface.bodies[triangles]] * 10 ** (_DIGITS + 1) + steps
+    _, kind = np.unique(both, return_inverse=True)
+    return kind.reshape(-1)

@@ -10,6 +10,7 @@ from ...contact.faces import Faces
 from ...contact.lines import Lines
 from ...contact.surface import Surface
 from ...contact.surface_exclusion import with_exclusions
+from ...mesh.topology.sides import shared_sides
 from ..bodies.geometry import Geometry
 from ..scene import Scene
 from ..structure.masses import nodal_mass
@@ -18,6 +19,8 @@ from .pairs import Tables, body_pairs
 
 # Thickness that varies no more than this is that of a file written in single precision.
 _EVEN = 1e-6
+# Of the sides within a shell at most this share may be steps of thickness.
+_STEPS = 0.3
 
 
 def make_faces(
@@ -34,7 +37,7 @@ def make_faces(
         reach: Distance at which lines begin to push, as a share of that at which surfaces touch.
 
     Raises:
-        ScenarioError: One of these shells is not equally thick everywhere.
+        ScenarioError: The thickness of one of these shells changes from triangle to triangle.
     """
     geometry = scene.geometry
     shells = np.array(geometry.shell_keys, dtype=np.int64)
@@ -76,17 +79,23 @@ def make_faces(
 
 
 def _check_even(scene: Scene, labels: IntArray) -> None:
-    """What a line faces is summed at one distance for all triangles of a shell."""
+    """What a line faces is summed at one distance for triangles that are alike, each such part with a rim."""
     contact = scene.scenario.contact
     path = ("contact", "pairs") if contact is not None and contact.pairs is not None else ("contact",)
-    thickness = scene.geometry.per_triangle("thickness")
+    thickness, triangles = scene.geometry.per_triangle("thickness"), scene.geometry.triangles
     for key, shell in zip(scene.geometry.shell_keys, scene.geometry.shells, strict=True):
-        own = thickness[scene.geometry.triangles_of(shell.name)]
-        if (labels[:, key] >= 0).any() and np.ptp(own) > _EVEN * own.max():
+        if not (labels[:, key] >= 0).any():
+            continue
+        mine = scene.geometry.triangles_of(shell.name)
+        own = thickness[mine]
+        one, two = (own[half // 3] for half in shared_sides(triangles[mine]))
+        unlike = np.abs(one - two) > _EVEN * own.max()
+        if unlike.sum() > _STEPS * len(unlike):
             raise scene.error(
                 path,
-                f"bodies may not touch '{shell.name}' yet, whose thickness varies from {own.min():.3g} to "
-                f"{own.max():.3g} m; give it one thickness, or give `pairs` of it with obstacles only",
+                f"bodies may not touch '{shell.name}', whose thickness goes from {own.min():.3g} to "
+                f"{own.max():.3g} m from triangle to triangle; give it in a few steps, by groups, or give "
+                "`pairs` of it with obstacles only",
             )
 
 
