@@ -12,7 +12,7 @@ from ..arrays import BoolArray, FloatArray
 from ..csv_columns import read_columns
 from ..errors import ScenarioError
 from ..quantities import QuantityError, read_quantity
-from ..scenario.language.calibrate import Markers, Measured
+from ..scenario.language.calibrate import Markers, Samples
 from ..scenario.load import LoadedScenario
 from ..scenario.text.tree import KeyPath
 from ..units import KINDS, Dimension
@@ -34,7 +34,7 @@ class Curves:
         held: Rows that are kept out of the fit, shape (R,).
     """
 
-    spec: Measured
+    spec: Samples
     times: FloatArray | None
     values: FloatArray
     labels: tuple[str, ...]
@@ -53,7 +53,7 @@ def read_curves(loaded: LoadedScenario) -> tuple[Curves, ...]:
     return tuple(_read(loaded, k, one) for k, one in enumerate(loaded.scenario.calibrate.data))
 
 
-def _read(loaded: LoadedScenario, k: int, spec: Measured) -> Curves:
+def _read(loaded: LoadedScenario, k: int, spec: Samples) -> Curves:
     path: KeyPath = ("calibrate", "data", k)
     factor = _factor(loaded, (*path, "unit"), spec.unit, spec)
     columns, labels = _columns(loaded, (*path, "markers"), spec)
@@ -97,9 +97,7 @@ def _read(loaded: LoadedScenario, k: int, spec: Measured) -> Curves:
     return Curves(spec, times, values, labels, deviation, fitted, held)
 
 
-def _columns(
-    loaded: LoadedScenario, path: KeyPath, spec: Measured
-) -> tuple[list[str | int], tuple[str, ...]]:
+def _columns(loaded: LoadedScenario, path: KeyPath, spec: Samples) -> tuple[list[str | int], tuple[str, ...]]:
     """Columns of the file, marker by marker, and words for them."""
     if spec.probes is not None:
         return list(spec.probes.values()), tuple(spec.probes)
@@ -143,7 +141,7 @@ def _table(file: Path, names: list[str | int]) -> tuple[FloatArray, ...]:
     return columns
 
 
-def _factor(loaded: LoadedScenario, path: KeyPath, unit: str, spec: Measured) -> float:
+def _factor(loaded: LoadedScenario, path: KeyPath, unit: str, spec: Samples) -> float:
     """SI value of the unit of the samples.
 
     Raises:

@@ -62,7 +62,7 @@ class Markers(Spec):
         return self
 
 
-class Measured(Spec):
+class Samples(Spec):
     """A table of measured values; a cell that is empty or `nan` is a missing sample."""
 
     model_config = exclusive(("probes", "markers"))
@@ -88,7 +88,7 @@ class Measured(Spec):
     )
 
     @model_validator(mode="after")
-    def _one(self) -> Measured:
+    def _one(self) -> Samples:
         exactly_one(self, "probes", "markers")
         return self
 
@@ -97,7 +97,7 @@ class Calibrate(Spec):
     """A fit, made by `dismech calibrate`; a run does not know of it."""
 
     fit: Annotated[tuple[Fitted, ...], Len(0, 200), Strict(False)] = Field(description="What is fitted.")
-    data: Annotated[tuple[Measured, ...], Len(1), Strict(False)] = Field(description="To what.")
+    data: Annotated[tuple[Samples, ...], Len(1), Strict(False)] = Field(description="To what.")
     robust: bool = Field(
         default=False, description="Samples far off, beyond a few deviations, count by their distance only."
     )
