@@ -9,7 +9,7 @@ import numpy as np
 
 from ..arrays import FloatArray
 from ..output.read import Run
-from .settings import Camera, Settings, View
+from .settings import Camera, Settings, Solid, View
 from .timeline import Shot, shot_at
 
 # Room around the motion, as a share of its size.
@@ -104,7 +104,7 @@ def frame_motion(run: Run, settings: Settings, shots: Sequence[Shot]) -> Framing
     frames = _frames(run, settings, shots)
     target = _target(run, camera, frames)
     basis = view_basis(camera, target)
-    extent = _extent(run, basis, camera.follow, frames)
+    extent = _with(settings.obstacles, _extent(run, basis, camera.follow, frames), basis, run.t[frames])
     middles = _middles(extent, camera.follow)
     if camera.eye is not None or camera.target is not None:
         middles = basis @ target + middles - middles[0]
@@ -164,6 +164,22 @@ def _extent(run: Run, basis: FloatArray, follow: tuple[int, ...] | None, frames:
         followed[frame] = seen[nodes[finite[nodes]]].mean(axis=0)
         floor = min(floor, float(positions[finite, 2].min()))
     return _Extent(lower, upper, followed, floor if np.isfinite(floor) else 0.0)
+
+
+def _with(solids: Sequence[Solid], extent: _Extent, basis: FloatArray, times: FloatArray) -> _Extent:
+    """The extent of a run and its obstacles at times of frames; of unbounded ones only across."""
+    lower, upper = extent.lower, extent.upper
+    for solid in solids:
+        if not solid.radius:
+            continue
+        half = np.where(np.isinf(solid.half), 0.0, solid.half)
+        for frame, t in enumerate(times):
+            shot = shot_at(solid.times, float(t))
+            middle, turn = basis @ shot.between(solid.origins), basis @ shot.between(solid.turns)
+            reach = np.abs(turn) @ half + solid.radius
+            lower[frame] = np.minimum(lower[frame], middle - reach)
+            upper[frame] = np.maximum(upper[frame], middle + reach)
+    return _Extent(lower, upper, extent.followed, extent.floor)
 
 
 def _middles(extent: _Extent, follow: tuple[int, ...] | None) -> FloatArray:

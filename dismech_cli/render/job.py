@@ -15,7 +15,7 @@ from ..output.frame import FieldSpec
 from ..output.read import Run
 from .coloring import Field, Painter, Scale
 from .framing import Framing
-from .settings import Camera, Image, Settings
+from .settings import Camera, Image, Settings, Solid
 from .timeline import Shot
 
 
@@ -125,7 +125,13 @@ def _settings(content: dict[str, Any]) -> Settings:
     colors = {int(body): tuple(color) for body, color in content.pop("colors").items()}
     camera = Camera(**_tuples(content.pop("camera")))
     joints = tuple((node, bends) for node, bends in content.pop("joints"))
-    return Settings(camera=camera, colors=colors, joints=joints, **_tuples(content))
+    obstacles = tuple(_solid(one) for one in content.pop("obstacles"))
+    return Settings(camera=camera, colors=colors, joints=joints, obstacles=obstacles, **_tuples(content))
+
+
+def _solid(content: dict[str, Any]) -> Solid:
+    arrays = {name: np.array(content[name]) for name in ("times", "origins", "turns")}
+    return Solid(**{**_tuples(content), **arrays})
 
 
 def _tuples(content: dict[str, Any]) -> dict[str, Any]:

@@ -13,11 +13,12 @@ from .contact_marks import contact_marks
 from .ground import grid_lines
 from .job import Stage
 from .joint_marks import joint_marks
+from .obstacle_parts import obstacle_parts
 from .parts import Part, make_bodies, make_parts
 from .settings import Image, Settings
 from .timeline import Shot
 
-_SIDES = 12
+_SIDES, _ROUND = 12, 32  # of a rod, of an obstacle
 _LIGHT = np.array([-0.45, 0.60, 0.66])  # towards the light; right, up, towards the viewer
 _DPI = 100.0
 
@@ -30,6 +31,7 @@ def draw(stage: Stage) -> Iterator[Image]:
     settings, least = stage.settings, stage.framing.least_radius(stage.settings.size)
     marks: list[Part] = [*joint_marks(stage.run, settings, least, _SIDES)]
     marks += contact_marks(stage.run, settings, stage.framing.half_height, _SIDES)
+    marks += obstacle_parts(settings.obstacles, stage.framing, _ROUND)
     parts = [*make_parts(stage.run, least, _SIDES), *marks]
     bodies = make_bodies(stage.run, least, _SIDES) if stage.ghosts else []
     for number, shot in enumerate(stage.shots):

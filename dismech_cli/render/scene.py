@@ -14,6 +14,7 @@ from .floor import Floor
 from .ground import grid_lines
 from .job import Stage
 from .joint_marks import joint_marks
+from .obstacle_parts import obstacle_parts
 from .occlusion import darken, openness
 from .parts import Part, make_bodies, make_parts
 from .settings import Image, Settings
@@ -21,7 +22,7 @@ from .timeline import Shot
 from .trails import Trails
 from .window import Window
 
-_SIDES = 24
+_SIDES, _ROUND = 24, 48  # of a rod, of an obstacle
 _EDGE_ON = 0.05  # a floor seen from its side is a line
 _FAINT = 0.2  # share of the ink in a line of the grid
 # Light alone would make a pale shape dark on one side.
@@ -58,6 +59,7 @@ class _Scene:
             self._add_grid()
         marks: list[Part] = [*joint_marks(stage.run, settings, least, _SIDES)]
         marks += contact_marks(stage.run, settings, stage.framing.half_height, _SIDES)
+        marks += obstacle_parts(settings.obstacles, stage.framing, _ROUND)
         self._actors = [self._actor(part) for part in (*make_parts(stage.run, least, _SIDES), *marks)]
         self._ghosts = [self._ghost(shot, make_bodies(stage.run, least, _SIDES)) for shot in stage.ghosts]
         self._trails = None

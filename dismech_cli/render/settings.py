@@ -9,6 +9,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import FloatArray
+
 View = Literal["xy", "xz", "yz", "iso"]
 Format = Literal["mp4", "gif", "png"]
 Ground = Literal["none", "grid", "floor"]
@@ -44,6 +46,27 @@ class Camera:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Solid:
+    """An obstacle: a box with rounded edges; of no sides a ball, of one a capsule.
+
+    Without a radius it is a plane, solid below.
+
+    Attributes:
+        half: Half of its sides without the rounding [m]; infinite where it is unbounded.
+        radius: Of its edges [m].
+        times: When it is where it is said to be [s], shape (F,).
+        origins: Its middle [m], shape (F, 3).
+        turns: Its axes as columns, shape (F, 3, 3).
+    """
+
+    half: Triple
+    radius: float
+    times: FloatArray
+    origins: FloatArray
+    turns: FloatArray
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Settings:
     """Choices of one set of pictures.
 
@@ -63,6 +86,7 @@ class Settings:
         ghosts: Times of earlier shapes that stay, pale [s].
         trails: Nodes that leave a line.
         joints: Nodes of joints that have a mark, and whether bending passes there.
+        obstacles: What is in the way.
         contacts: Whether forces of contact have arrows.
         colormap: Name of a map of Matplotlib; None is the usual.
         limits: Values of the first and last colour; None is the range of the run.
@@ -82,6 +106,7 @@ class Settings:
     ghosts: tuple[float, ...] = ()
     trails: tuple[int, ...] = ()
     joints: tuple[tuple[int, bool], ...] = ()
+    obstacles: tuple[Solid, ...] = ()
     contacts: bool = False
     colormap: str | None = None
     limits: tuple[float, float] | None = None

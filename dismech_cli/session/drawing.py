@@ -119,7 +119,7 @@ def _draw(
     name = field_of(asked.color_by)
     with tempfile.TemporaryDirectory(prefix="dismech-render-") as folder:
         with read(run_dir) as run:
-            settings = settings_of(loaded, run.topology, name)
+            settings = settings_of(loaded, run, name)
             missing = name is not None and name not in [spec.name for spec in run.topology.fields]
             field = computed_field(run, str(name), Path(folder) / "field.npy") if missing else None
         return render(run_dir, settings, wanted, field=field, progress=narrator.drawn)

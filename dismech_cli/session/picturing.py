@@ -10,12 +10,14 @@ import numpy as np
 from ..compose.scene import make_scene
 from ..errors import OutputError
 from ..output.frame import Topology
+from ..output.read import Run
 from ..output.run_directory import SCENARIO_FILE
 from ..render.settings import Camera, Format, Rgb, Settings, Triple, View
 from ..scenario.language.render import WHOLE, ColorField, Render, RodField, ShellField
 from ..scenario.language.render import Camera as CameraSpec
 from ..scenario.language.scenario import Scenario
 from ..scenario.load import LoadedScenario, load
+from .obstacles_seen import solids_of
 
 _ANGLE = float(np.radians(30.0))
 
@@ -50,14 +52,15 @@ def asked_of(run_dir: Path, changes: tuple[str, ...] = (), color_by: str | None 
     return load(file, overrides=overrides)
 
 
-def settings_of(loaded: LoadedScenario, topology: Topology, color_by: str | None) -> Settings:
+def settings_of(loaded: LoadedScenario, run: Run, color_by: str | None) -> Settings:
     """What pictures show.
 
     Args:
         loaded: The scenario.
-        topology: Of the run.
+        run: The open run.
         color_by: The field that colours the bodies.
     """
+    topology = run.topology
     render = loaded.scenario.output.render
     width, height = (length + length % 2 for length in render.size)
     return Settings(
@@ -79,6 +82,7 @@ def settings_of(loaded: LoadedScenario, topology: Topology, color_by: str | None
         ghosts=render.ghosts,
         trails=_trails(loaded, render),
         joints=_joints(loaded, render),
+        obstacles=solids_of(loaded, run.t),
         contacts=render.contacts == "shown",
         limits=None if render.range is None else (render.range[0], render.range[1]),
     )

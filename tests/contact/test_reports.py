@@ -103,7 +103,7 @@ def test_arrows_are_where_forces_are(tmp_path: Path) -> None:
     file.write_text(json.dumps(deck))
     report = simulate(file, out=tmp_path / "run")
     with read(tmp_path / "run") as run:
-        settings = settings_of(load(file), run.topology, None)
+        settings = settings_of(load(file), run, None)
         (arrows,) = contact_marks(run, settings, 0.5, 8)
         vertices, normals = arrows.place(1.0, run.positions[-1])
         corners = vertices[arrows.faces]

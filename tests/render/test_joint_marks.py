@@ -49,7 +49,7 @@ def test_joints_are_marked_by_choice(
     out = tmp_path / "run"
     simulate(loaded, out=out)
     with read(out) as run:
-        settings = settings_of(loaded, run.topology, None)
+        settings = settings_of(loaded, run, None)
         assert settings.joints == marked
         marks = joint_marks(run, settings, 1e-3, 8)
     assert len(marks) == len(marked)

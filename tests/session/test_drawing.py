@@ -144,13 +144,13 @@ def test_cameras_are_placed_as_written(tmp_path: Path) -> None:
         loaded = asked_of(
             run_dir, ("camera={from: [1 m, 0, 50 cm], up: [0, 1, 0]}", "colors={leg: '#010203'}")
         )
-        settings = settings_of(loaded, run.topology, None)
+        settings = settings_of(loaded, run, None)
         assert settings.camera.eye == (1.0, 0.0, 0.5)
         assert settings.camera.up == (0.0, 1.0, 0.0)
         assert settings.camera.angle == pytest.approx(np.pi / 6)
         assert settings.colors == {1: (1, 2, 3)}
-        still = settings_of(asked_of(run_dir, ("camera=fixed", "view=iso")), run.topology, None)
+        still = settings_of(asked_of(run_dir, ("camera=fixed", "view=iso")), run, None)
         assert (still.camera.view, still.camera.follow, still.camera.angle) == ("iso", None, 0.0)
-        tracked = settings_of(asked_of(run_dir, ("camera=tracking", "size=[65, 64]")), run.topology, None)
+        tracked = settings_of(asked_of(run_dir, ("camera=tracking", "size=[65, 64]")), run, None)
         assert tracked.camera.follow == ()
         assert_array_equal(tracked.size, (66, 64))
