@@ -22,6 +22,7 @@ PICTURES: dict[str, list[str]] = {
     "cantilever_dynamic_1e5": ["--times", "0.085"],
     "contortion": ["--set", "ghosts=[0]"],
     "curling_strip": [],
+    "curl_grip": ["--set", "ghosts=[0, 0.6]"],
     "dlo_manipulation": ["--set", "ghosts=[0, 12.5, 13.75]"],
     "folded_cloth": ["--times", "0.3, 0.6, 0.9, 1.2", "--set", "layout=panels"],
     "gait": ["--times", "0.4, 1", "--set", "layout=panels"],
@@ -30,6 +31,7 @@ PICTURES: dict[str, list[str]] = {
     "hemisphere_hang": [],
     "jellyfish": ["--times", "0.6"],
     "jellyfish_tentacles": ["--times", "1"],
+    "jellyfish_touch": ["--times", "0.59"],
     "kirigami": [],
     "manta_ray": ["--times", "2"],
     "overhand_knot": [],
@@ -45,8 +47,10 @@ PICTURES: dict[str, list[str]] = {
     "sinking_arc": ["--set", "ghosts=[0, 0.25, 0.5, 0.75]"],
     "snake": ["--color-by", "curvature"],
     "snake_21": ["--color-by", "curvature"],
+    "spider": ["--set", "ghosts=[0]"],
     "strip_cantilever_51": [],
     "t_fin": [],
+    "worm": ["--times", "0.5, 0.75, 1, 1.5", "--set", "layout=panels", "--set", "range=[-0.3, 0.3]"],
 }
 FRONT = {
     "helix_soft": ["--times", "0.1"],

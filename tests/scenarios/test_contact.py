@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import dismech_cli
-from dismech_cli.arrays import FloatArray
+from dismech_cli.arrays import FloatArray, IntArray
 
 FOLDER = Path(__file__).parents[2] / "scenarios"
 SAMPLES = np.linspace(0.0, 1.0, 9)
@@ -49,3 +49,39 @@ def test_nothing_is_deeper_than_the_tolerance(name: str, tolerance: float) -> No
     assert least.min() < 1.02
     # the samples are no nearer than the lines, and off by their spacing squared
     assert least.min() >= 1.0 - tolerance - 1e-9
+
+
+@pytest.mark.slow
+def test_spider_lands_in_time_and_stays_symmetric() -> None:
+    report = dismech_cli.simulate(
+        FOLDER / "spider.yaml", overrides=["output.every=2.5 ms", "numerics.t_end=0.3 s"]
+    )
+    assert report.exit == 0
+    load = report.scalars["front [N]"]
+    first = report.scalars["t [s]"][np.flatnonzero(load)[0]]
+    # the feet fall 95 mm; the first step that ends inside is at most one step of 2.5 ms late
+    assert 0.0 <= first - np.sqrt(2 * 0.095 / 9.8) <= 2.5e-3
+    mirrored = mirror_images(report.frames[0].positions)
+    last = report.frames[-1].positions
+    assert np.abs(last[mirrored] * [1.0, -1.0, 1.0] - last).max() < 1e-7
+
+
+def mirror_images(positions: FloatArray) -> IntArray:
+    """The node that is the image of each in the plane y = 0."""
+    images = positions * [1.0, -1.0, 1.0]
+    return np.linalg.norm(images[:, None] - positions, axis=2).argmin(axis=1)
+
+
+def test_worm_stays_where_it_is_without_friction() -> None:
+    report = dismech_cli.simulate(
+        FOLDER / "worm.yaml",
+        overrides=["contact.friction.coefficient=0", "numerics.t_end=1.5 s", "expect={}"],
+    )
+    assert report.exit == 0
+    # contraction moves material, but nothing moves the middle of the mass
+    frames = report.frames
+    weights = np.ones(41)
+    weights[[0, -1]] = 0.5
+    middles = [np.average(frame.positions[:, 0], weights=weights) for frame in frames]
+    assert np.ptp(middles) < 1e-9
+    assert np.abs(frames[-1].positions[:, 0] - frames[0].positions[:, 0]).max() < 1e-4
