@@ -170,7 +170,7 @@ def _with(solids: Sequence[Solid], extent: _Extent, basis: FloatArray, times: Fl
     """The extent of a run and its obstacles at times of frames; of unbounded ones only across."""
     lower, upper = extent.lower, extent.upper
     for solid in solids:
-        if not solid.radius:
+        if solid.plane:
             continue
         half = np.where(np.isinf(solid.half), 0.0, solid.half)
         for frame, t in enumerate(times):

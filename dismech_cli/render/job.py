@@ -130,7 +130,8 @@ def _settings(content: dict[str, Any]) -> Settings:
 
 
 def _solid(content: dict[str, Any]) -> Solid:
-    arrays = {name: np.array(content[name]) for name in ("times", "origins", "turns")}
+    arrays = {name: np.array(content[name]) for name in ("times", "origins", "turns", "triangles")}
+    arrays["triangles"] = arrays["triangles"].reshape(-1, 3, 3)
     return Solid(**{**_tuples(content), **arrays})
 
 

@@ -12,6 +12,7 @@ from ..arrays import FloatArray, IntArray
 from .framing import Framing
 from .settings import Rgb, Solid
 from .timeline import shot_at
+from .tubes import unit
 
 _COLOR: Rgb = (206, 210, 216)
 # Of half of the height of the picture: half of an unbounded side, and the thickness of a plane.
@@ -55,24 +56,41 @@ def obstacle_parts(solids: Sequence[Solid], framing: Framing, sides: int) -> lis
         framing: The camera.
         sides: Of a round one; a multiple of 4.
     """
-    return [_part(solid, framing, sides) for solid in solids]
+    return [_sheet(one) if len(one.triangles) else _box(one, framing, sides) for one in solids]
 
 
-def _part(solid: Solid, framing: Framing, sides: int) -> RigidPart:
+def _box(solid: Solid, framing: Framing, sides: int) -> RigidPart:
     half = np.array(solid.half)
     unbounded = np.isinf(half)
     middle = np.where(unbounded, solid.turns[0].T @ (framing.centers[0] - solid.origins[0]), 0.0)
     half[unbounded] = _UNBOUNDED * framing.half_height
-    if solid.radius == 0.0:
+    if solid.plane:
         half[2] = 0.5 * _SHEET * framing.half_height
         middle[2] = -half[2]
-    normals, corner, faces = _rounded(sides) if solid.radius else _BLOCK
+    normals, corner, faces = _BLOCK if solid.plane else _rounded(sides)
     nothing = np.zeros(len(normals), dtype=np.int64)
     return RigidPart(
         solid=solid,
         vertices=middle + corner * half + solid.radius * normals,
         normals=normals,
         faces=faces,
+        source=nothing,
+        body=nothing,
+    )
+
+
+def _sheet(solid: Solid) -> RigidPart:
+    """Both sides of triangles, each flat."""
+    corners = solid.triangles
+    normal = unit(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]))
+    offset = solid.radius * normal[:, None]
+    vertices = np.concatenate((corners + offset, corners[:, ::-1] - offset)).reshape(-1, 3)
+    nothing = np.zeros(len(vertices), dtype=np.int64)
+    return RigidPart(
+        solid=solid,
+        vertices=vertices,
+        normals=np.repeat(np.concatenate((normal, -normal)), 3, axis=0),
+        faces=np.arange(len(vertices)).reshape(-1, 3),
         source=nothing,
         body=nothing,
     )

@@ -49,14 +49,15 @@ class Camera:
 class Solid:
     """An obstacle: a box with rounded edges; of no sides a ball, of one a capsule.
 
-    Without a radius it is a plane, solid below.
+    A box without bounds along two sides is a plane, solid below; one with triangles is these.
 
     Attributes:
         half: Half of its sides without the rounding [m]; infinite where it is unbounded.
-        radius: Of its edges [m].
+        radius: Of its edges, or half of the thickness of triangles [m].
         times: When it is where it is said to be [s], shape (F,).
         origins: Its middle [m], shape (F, 3).
         turns: Its axes as columns, shape (F, 3, 3).
+        triangles: Corners of triangles in its own frame [m], shape (T, 3, 3); none of a box.
     """
 
     half: Triple
@@ -64,6 +65,12 @@ class Solid:
     times: FloatArray
     origins: FloatArray
     turns: FloatArray
+    triangles: FloatArray
+
+    @property
+    def plane(self) -> bool:
+        """Whether it is one."""
+        return int(np.isinf(self.half).sum()) > 1
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

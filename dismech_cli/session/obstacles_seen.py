@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 
 from ..arrays import FloatArray
+from ..compose.bodies.shell import shell_mesh
 from ..compose.contact.obstacles import make_obstacle
 from ..compose.scene import make_scene
 from ..render.settings import Solid, Triple
@@ -22,9 +25,10 @@ def solids_of(loaded: LoadedScenario, times: FloatArray) -> tuple[Solid, ...]:
         return ()
     scene = make_scene(loaded)
     found = []
-    for one in obstacles:
-        pose = make_obstacle(scene, one).pose
-        origin, axes, half, radius = _shape(one)
+    for index, one in enumerate(obstacles):
+        pose = make_obstacle(scene, index).pose
+        corners = _corners(one, loaded.directory)
+        origin, axes, half, radius = _shape(one, corners)
         seen = times[:1] if pose.still else times
         frames = [pose.at(float(t)) for t in seen]
         found.append(
@@ -34,12 +38,21 @@ def solids_of(loaded: LoadedScenario, times: FloatArray) -> tuple[Solid, ...]:
                 times=seen,
                 origins=np.array([frame.outward(origin[:, None])[:, 0] for frame in frames]),
                 turns=np.array([frame.turn @ axes for frame in frames]),
+                triangles=corners - origin,
             )
         )
     return tuple(found)
 
 
-def _shape(one: language.Obstacle) -> tuple[FloatArray, FloatArray, Triple, float]:
+def _corners(one: language.Obstacle, directory: Path) -> FloatArray:
+    """Corners of its triangles [m], shape (T, 3, 3); most have none."""
+    if isinstance(one, language.MeshObstacle):
+        mesh = shell_mesh(one, directory).mesh
+        return mesh.nodes[mesh.triangles]
+    return np.empty((0, 3, 3))
+
+
+def _shape(one: language.Obstacle, corners: FloatArray) -> tuple[FloatArray, FloatArray, Triple, float]:
     """Middle, axes as columns, half sides and radius, where its pose is that of the start."""
     match one:
         case language.PlaneObstacle():
@@ -55,6 +68,10 @@ def _shape(one: language.Obstacle) -> tuple[FloatArray, FloatArray, Triple, floa
         case language.BoxObstacle():
             x, y, z = (0.5 * side - one.edge_radius for side in one.size)
             return _ORIGIN, _AXES, (x, y, z), one.edge_radius
+        case language.MeshObstacle():
+            lowest, highest = corners.min(axis=(0, 1)), corners.max(axis=(0, 1))
+            x, y, z = (0.5 * (highest - lowest)).tolist()
+            return 0.5 * (lowest + highest), _AXES, (x, y, z), 0.5 * one.thickness
 
 
 def _upright(direction: FloatArray) -> FloatArray:

@@ -118,7 +118,7 @@ def test_pictures_have_room_for_what_is_bounded(run_dir: Path) -> None:
 
 def obstacles_of(run_dir: Path) -> list[Obstacle]:
     scene = make_scene(load(run_dir / SCENARIO_FILE))
-    return [make_obstacle(scene, one) for one in scene.scenario.obstacles]
+    return [make_obstacle(scene, index) for index in range(len(scene.scenario.obstacles))]
 
 
 def extent(part: RigidPart) -> FloatArray:
