@@ -80,11 +80,10 @@ def _box(solid: Solid, framing: Framing, sides: int) -> RigidPart:
 
 
 def _sheet(solid: Solid) -> RigidPart:
-    """Both sides of triangles, each flat."""
+    """Both sides of triangles, each flat and in the middle of the thickness, so that none gape."""
     corners = solid.triangles
     normal = unit(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]))
-    offset = solid.radius * normal[:, None]
-    vertices = np.concatenate((corners + offset, corners[:, ::-1] - offset)).reshape(-1, 3)
+    vertices = np.concatenate((corners, corners[:, ::-1])).reshape(-1, 3)
     nothing = np.zeros(len(vertices), dtype=np.int64)
     return RigidPart(
         solid=solid,

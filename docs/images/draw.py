@@ -45,6 +45,7 @@ PICTURES: dict[str, list[str]] = {
     "shell_cantilever_hinge": [],
     "shell_cantilever_midedge": [],
     "sinking_arc": ["--set", "ghosts=[0, 0.25, 0.5, 0.75]"],
+    "slinky": ["--times", "0, 0.06, 0.1, 0.3", "--set", "layout=panels"],
     "snake": ["--color-by", "curvature"],
     "snake_21": ["--color-by", "curvature"],
     "spider": ["--set", "ghosts=[0]"],
