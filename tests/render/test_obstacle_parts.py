@@ -85,7 +85,7 @@ def test_surfaces_are_where_contact_has_them(run_dir: Path) -> None:
             vertices, normals = part.place(t, np.zeros((3, 3)))
             gaps = obstacle.gaps(t, vertices.T, np.full_like(vertices.T, 1e-12))
             assert gaps.max() < 1e-9
-            # a plane is drawn as a slab and a cylinder with ends, of which parts lie within, triangles in their middle
+            # planes are slabs, cylinders have ends, triangles no thickness: parts lie within
             within = {"floor": np.inf, "drum": np.inf, "bowl": 0.01}.get(obstacle.name, 0.0)
             assert gaps.min() > -within - 1e-9
             assert (gaps > -1e-9 - min(within, 0.01)).sum() >= 4
