@@ -25,8 +25,8 @@ _LOOKS = 20
 _GROWTH = 5.0
 # Root mean square of the motion in a mode, in units of the robot's size, up to which it is rounding.
 _ROUNDING = 1e-9
-# Modes looked at beyond those that are negative: others may be nearer to zero.
-_MORE = 4
+# Modes looked at beyond those that matter: others may be nearer to zero. And how many at most.
+_MORE, _MOST = 4, 32
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,7 +35,7 @@ class Found:
 
     Attributes:
         t: When it was seen [s].
-        modes: In how many modes.
+        modes: In how many modes, of those looked at.
         rate: At which the fastest would grow [1/s].
     """
 
@@ -66,15 +66,17 @@ class Symmetry:
         before, self.found = self.found, None
         if not system.pattern.symmetric or not self._stepper.stability.unstable(state):
             return
+        since = state.t if before is None else before.t
+        if t_end <= since:
+            return
         with np.errstate(all="ignore"):
             try:
-                sizes, vectors, mass = self._modes(state)
+                sizes, vectors, mass = self._modes(state, _GROWTH / (t_end - since))
             except FactorizationError:
                 return
         moved, speed = (x[system.pattern.free] for x in (state.q - system.model.rest, state.v))
         size = system.extent * sqrt(float(mass.sum()))
         rates = np.sqrt(np.maximum(-sizes, 0.0))
-        since = state.t if before is None else before.t
         grows = rates * (t_end - since) > _GROWTH
         amplitudes = np.abs(vectors.T @ (mass * moved))
         amplitudes += np.abs(vectors.T @ (mass * speed)) / np.maximum(rates, 1.0 / t_end)
@@ -82,12 +84,24 @@ class Symmetry:
         if still.any():
             self.found = Found(since, int(still.sum()), float(rates[still].max()))
 
-    def _modes(self, state: State) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Squares of frequencies, modes of unit mass, and the mass, on the free DOFs."""
+    def _modes(self, state: State, rate: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Squares of frequencies, modes of unit mass, and the mass, on the free DOFs; none if none matters.
+
+        Args:
+            state: Where.
+            rate: Of growth [1/s], that of the slowest mode that matters.
+
+        Raises:
+            FactorizationError: They cannot be found.
+        """
         stepper, system = self._stepper, self._stepper.system
         mass = system.model.mass[system.pattern.free]
         mass = np.where(mass > 0.0, mass, 1e-6 * np.median(mass[mass > 0.0]))
-        count = stepper.stability.negative_eigenvalues(state) + _MORE
+        # K + rate^2 M has a negative eigenvalue for each mode that grows faster
+        fast = stepper.stability.negative_eigenvalues(state, rate * rate * mass)
+        if not fast:
+            return np.empty(0), np.empty((len(mass), 0)), mass
+        count = min(fast, _MOST) + _MORE
         values = stepper.stability.stiffness(state)
         sizes, vectors = softest_modes(system.pattern, system.solver, values, mass, count)
         return sizes, vectors, mass

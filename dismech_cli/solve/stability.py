@@ -27,14 +27,19 @@ class Stability:
         except FactorizationError:  # a mechanism, which has its own messages
             return False
 
-    def negative_eigenvalues(self, state: State) -> int:
+    def negative_eigenvalues(self, state: State, added: FloatArray | float = 0.0) -> int:
         """Negative eigenvalues of the stiffness matrix at a state.
+
+        Args:
+            state: Where.
+            added: Added to its diagonal, shape (m,) or one number.
 
         Raises:
             FactorizationError: The matrix is singular or not finite.
         """
         values = self.stiffness(state)
         pattern = self._system.pattern
+        values[pattern.diagonal] += added
         # few scenes ask, and MKL takes long to load
         if self._count_negative is None or self._count_negative[0] is not pattern:
             self._count_negative = pattern, negative_eigenvalues_on(pattern)

@@ -51,3 +51,13 @@ def test_a_free_rod_may_turn_as_it_likes(tmp_path: Path) -> None:
     deck = rod_deck(line(11), motions=[], dimension=3, numerics={"dt": 0.01, "t_end": 1.0})
     deck["forces"] = [{"type": "gravity", "acceleration": [0, 0, -9.81]}]
     assert attempt(tmp_path, deck).outcome.doubts == ()
+
+
+def test_modes_too_slow_to_matter_are_not_looked_for(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A long rod may have thousands of them, which take longer to find than the run."""
+    asked = []
+    monkeypatch.setattr("dismech_cli.run.symmetry.softest_modes", lambda *given: asked.append(given))
+    short = pressed(0.02) | {"numerics": {"dt": 1e-4, "t_end": 2e-3}}
+    short["motions"][1]["displacement"] = [{"ramp": {"from": 0, "to": -0.02, "end": 1e-3}}, 0, 0]
+    assert not any("unstable balance" in doubt for doubt in attempt(tmp_path, short).outcome.doubts)
+    assert not asked

@@ -12,6 +12,8 @@ from .factors import FactorizationError, LinearSolver
 _DENSE_LIMIT = 600
 # Shift below zero, in units of the typical ratio of stiffness to mass: rigid motions leave K singular.
 _SHIFT = 1e-9
+# Restarts of Lanczos' method; a few are usual, and modes that lie too close together are never told apart.
+_RESTARTS = 50
 
 
 def softest_modes(
@@ -43,7 +45,7 @@ def softest_modes(
     )
     start = np.random.default_rng(0).standard_normal(pattern.m)
     try:
-        largest, vectors = eigsh(inverse, k=count, which="LM", v0=start)
+        largest, vectors = eigsh(inverse, k=count, which="LM", v0=start, maxiter=_RESTARTS)
     except ArpackError as error:
         raise FactorizationError(str(error)) from error
     sizes = 1.0 / largest - shift
