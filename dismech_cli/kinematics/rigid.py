@@ -81,7 +81,7 @@ class Rigid:
             if angle >= np.pi:
                 raise LawError(
                     f"{self.name} turns by {angle:.3g} rad in one step, from t = {before:g} to {t:g}: "
-                    "less than half a turn is needed; take shorter steps"
+                    "less than half a turn is needed; take shorter steps (dt, or load_steps)"
                 )
 
     def spin(self, before: float, t: float, directions: FloatArray) -> FloatArray:

@@ -72,10 +72,10 @@ class NaturalStrain(Spec):
         default=None, description="Axial strain relative to the generated length."
     )
     curvature_1: Curvature | Curvatures | None = Field(
-        default=None, description="Curvature about director m1."
+        default=None, description="Curvature toward the material director m1, about m2."
     )
     curvature_2: Curvature | Curvatures | None = Field(
-        default=None, description="Curvature about director m2."
+        default=None, description="Curvature toward the material director m2, about -m1."
     )
     twist: TwistRate | TwistRates | None = Field(default=None, description="Twist per length.")
 
