@@ -11,7 +11,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -19,7 +19,7 @@ import numpy as np
 from dismech_cli.model.state import State
 from dismech_cli.output.frame import Frame
 from dismech_cli.output.writers import make_writer
-from dismech_cli.run.loop import run
+from dismech_cli.run.loop import Limits, run
 from dismech_cli.run.simulation import Simulation
 from dismech_cli.solve.linear.choice import LINEAR_SOLVERS
 from dismech_cli.solve.linear.pardiso import POSITIVE_DEFINITE, PardisoFactors
@@ -112,8 +112,7 @@ def beside(simulation: Simulation, *, seconds: float) -> Aside:
         LINEAR_SOLVERS[solver.name](pattern).factorize(values)
 
     kept = Kept()
-    control = simulation.control
-    run(replace(simulation, control=replace(control, grid=control.grid[:1])), kept)
+    run(simulation, kept, limits=Limits(until=0.0))
     with tempfile.TemporaryDirectory() as folder:
         writer = make_writer("hdf5", Path(folder))
         writer.open(simulation.topology, {})
