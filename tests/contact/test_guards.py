@@ -48,6 +48,7 @@ def rods_apart(report: Report) -> float:
     return min(least(frame.positions, low, high) for frame in report.frames)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("dt", [1e-1, 1e-2, 1e-3])
 def test_nothing_comes_nearer_than_the_stop(dt: float) -> None:
     """Rods thrown at each other by fifty radii a step; samples lie above the distance itself."""
@@ -113,6 +114,7 @@ def sheets_apart(report: Report) -> float:
     return min(least(frame.positions, lower, upper) for frame in report.frames)
 
 
+@pytest.mark.slow
 def test_sheets_keep_their_distance() -> None:
     report = simulate(sheets(BARRIER))
     assert report.exit == 0, report.message
@@ -153,6 +155,7 @@ def test_a_core_begins_where_bodies_start() -> None:
     assert sheets_apart(report) > 0.2e-3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("shape", ["plane", "sphere", "box", "mesh"])
 def test_obstacles_keep_their_distance(shape: str) -> None:
     """A rod thrown at an obstacle by many radii a step."""
@@ -227,6 +230,7 @@ def test_the_default_integrator_of_a_barrier() -> None:
     assert dismech_cli.load_mapping(deck).scenario.numerics.integrator.type == "implicit_euler"
 
 
+@pytest.mark.slow
 def test_a_resumed_run_is_the_straight_run(tmp_path: Path) -> None:
     deck = crossing(1e-3, 1.0)
     deck["contact"] = {"law": BARRIER, "friction": {"coefficient": 0.3, "slip_speed": 1e-2}}

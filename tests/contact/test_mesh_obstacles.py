@@ -54,6 +54,7 @@ def on_mesh(force: float = 0.0, **obstacle: Any) -> dict[str, Any]:
     return deck
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("force", [5.0, 10.5])
 def test_friction_on_a_mesh_is_that_on_a_plane(force: float) -> None:
     """The diagonal of the top is not felt: the rod slides over it."""
@@ -63,6 +64,7 @@ def test_friction_on_a_mesh_is_that_on_a_plane(force: float) -> None:
     assert report.warnings == ()
 
 
+@pytest.mark.slow
 def test_a_turning_mesh_takes_the_rod_along_and_its_reaction_is_the_weight() -> None:
     turn = {"axis": [0, 0, 1], "about": [0.5, 0, 0], "angle": {"ramp": {"from": 0, "to": 0.5, "end": 1.0}}}
     deck = on_mesh(motion=turn)
@@ -121,6 +123,7 @@ def test_what_starts_inside_is_told() -> None:
     assert not any("inside" in line for line in begun(deck))
 
 
+@pytest.mark.slow
 def test_what_starts_through_is_told_at_the_start_and_after_the_run() -> None:
     deck = on_mesh()
     deck["geometry"][0]["generate"] |= {"from": [0, 0, -0.5], "to": [0.1, 0, 0.5], "nodes": 4}

@@ -52,6 +52,7 @@ def sheets(dt: float, speed: float, steps: int, **changes: Any) -> dict[str, Any
     return deck | changes
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("friction", [{}, {"friction": {"coefficient": 0.4}}])
 def test_momentum_passes_from_one_to_the_other(friction: dict[str, Any]) -> None:
     deck = sheets(1e-3, 1.0, 12, contact=friction)
@@ -65,6 +66,7 @@ def test_momentum_passes_from_one_to_the_other(friction: dict[str, Any]) -> None
     assert (low[0] > 0.01 * total) == bool(friction)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("dt", [1e-2, 1e-3])
 def test_nothing_tunnels_at_fifty_thicknesses_a_step(dt: float) -> None:
     """Caught, or the run fails and says so: never through in silence."""

@@ -135,6 +135,7 @@ def test_frames_are_on_their_times_whatever_the_steps() -> None:
     assert not set(times[1:-1].tolist()) & set(kept.ends)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("integrator", ["tr_bdf2", "newmark"])
 def test_frames_are_as_accurate_as_steps(integrator: str) -> None:
     """Those of TR-BDF2 lie within steps; those of Newmark's method, which rings, end them."""
@@ -165,6 +166,7 @@ def test_looks_are_in_order_and_end_with_the_step() -> None:
 # -- accuracy and robustness -------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "integrator", ["implicit_euler", "implicit_midpoint", "newmark", "generalized_alpha", "tr_bdf2"]
 )
@@ -278,6 +280,7 @@ def test_a_run_goes_on_with_the_other_kind_of_steps(adaptive: bool) -> None:
     assert float(last[1]["state.t"]) < kept.ends[0] < float(last[1]["state.t"]) + 2.1e-3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["tr_bdf2", pytest.param("generalized_alpha", marks=pytest.mark.slow)])
 def test_iterations_on_a_twitch_are_fewer_than_at_fixed_steps(name: str) -> None:
     """At equal error, against the fixed step that has it: at most 0.85 of them."""

@@ -51,6 +51,7 @@ def columns(path: str, names: list[str], rows: np.ndarray) -> None:
     Path(path).write_text("\n".join(lines))
 
 
+@pytest.mark.slow
 def test_two_values_of_a_swinging_arm_are_recovered(call):
     # of the shipped scene with its true bending: 1 MPa and 0.3 Pa s, 4 mm of noise
     true = "actuation[0].value.table=[[0, 0], [0.2, 4], [0.4, -3], [0.6, 5], [0.8, 0], [1, -4]]"
@@ -126,6 +127,7 @@ def weighed(fit: list[Deck], **data: Any) -> Deck:
     return deck | {"calibrate": {"fit": fit, "data": [table]}}
 
 
+@pytest.mark.slow
 def test_what_the_samples_do_not_see_is_said(call):
     # at rest the weight over the stiffness alone counts
     deck = weighed([{"of": E, "scale": "log"}, {"of": RHO, "scale": "log"}])

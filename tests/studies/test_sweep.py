@@ -138,6 +138,7 @@ def test_a_dry_run_lists_the_points(swept, arm):
     assert not (arm / "out").exists()
 
 
+@pytest.mark.slow
 def test_points_that_die_hang_and_fail_do_not_stop_the_others(swept, arm):
     kinds = ("segfault", "hang", "bug", "noise")
     trouble = ";".join(f"parameters.E={E}=>{kind}" for E, kind in zip(MODULI, kinds, strict=True))
@@ -221,6 +222,7 @@ def test_a_signal_stops_the_sweep_and_its_children(nursery, arm, number, code):
     assert not left_over(arm / "out")
 
 
+@pytest.mark.slow
 def test_two_sweeps_in_one_folder_do_every_point_once(nursery, arm):
     grid = (*FOUR, "--over", "parameters.load=9,10,11")
     both = [slow_sweep(nursery, arm, (*grid, "--resume", "-v"), "0.3") for _ in range(2)]
@@ -263,6 +265,7 @@ def test_a_sweep_killed_at_any_moment_is_resumed(nursery, arm):
     assert set(seen) <= set((arm / "out").glob("points/*/result.json"))
 
 
+@pytest.mark.slow
 def test_four_children_compile_once(nursery, arm):
     pytest.importorskip("numba")
     cache = arm / "cache"

@@ -45,6 +45,7 @@ def checkout(folder: Path) -> Path:
     return folder
 
 
+@pytest.mark.slow
 def test_the_workflow_gathers_its_shards(nursery: Nursery, tmp_path: Path):
     jobs = workflow()
     machine = checkout(tmp_path / "table")
@@ -65,6 +66,7 @@ def test_the_workflow_gathers_its_shards(nursery: Nursery, tmp_path: Path):
     assert all(row["expect.tip.kept"] == "yes" for row in rows_of(machine / "out"))
 
 
+@pytest.mark.slow
 def test_the_comparison_and_the_report_of_the_page(call, tmp_path: Path):
     (tmp_path / "scenarios").mkdir()
     shutil.copy(ROOT / "scenarios" / "cantilever_small.yaml", tmp_path / "scenarios")
