@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from . import page
-from .calibrate import Fit, Table
+from .calibrate_fit import Fit, Table
 from .calibrate_report import data_rows, parameter_rows
 from .source import Source
 

@@ -10,7 +10,8 @@ from ..output.jsonable import Json, dumps, to_json
 from ..quantities import read_quantity, with_unit
 from ..scenario.load import dump_resolved
 from ..scenario.views.walk import leaves
-from .calibrate import Fit, Knob, Table
+from .calibrate_fit import Fit, Table
+from .calibrate_knobs import Knob
 from .source import Source
 
 SCENARIO_FILE = "fitted.yaml"
