@@ -13,10 +13,10 @@ import numpy as np
 
 from dismech_cli.run.interrupt import StopRequest
 from dismech_cli.scenario.language.study import Measured
-from dismech_cli.studies.given_study import given_over
-from dismech_cli.studies.measure import Point, measure
-from dismech_cli.studies.points import Base
-from dismech_cli.studies.space import Setting, make_space
+from dismech_cli.studies.study.given_study import given_over
+from dismech_cli.studies.study.measure import Point, measure
+from dismech_cli.studies.study.space import Setting, make_space
+from dismech_cli.studies.sweep.points import Base
 
 ROOT = Path(__file__).parents[1]
 FOLDER = ROOT / "tests" / "data" / "trade"

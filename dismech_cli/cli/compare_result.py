@@ -5,8 +5,8 @@ from __future__ import annotations
 from ..output.jsonable import dumps
 from ..quantities import with_unit
 from ..session.faults import fault
-from ..studies.compare import Compared
-from ..studies.differences import Difference
+from ..studies.compare.compare import Compared
+from ..studies.compare.differences import Difference
 from .console import Console, emit
 from .tables import table
 

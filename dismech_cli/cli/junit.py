@@ -15,7 +15,7 @@ from ..output.durable import write_bytes
 from ..session.drawing import Finished
 from ..session.exit_codes import Exit
 from ..session.verdicts import Verdict
-from ..studies.sweep import Swept
+from ..studies.sweep.sweep import Swept
 
 
 def write_junit(file: Path, finished: Finished) -> None:

@@ -8,9 +8,9 @@ from ..output.jsonable import Json, dumps
 from ..scenario.language.sweep import Sweep
 from ..session.exit_codes import Exit
 from ..session.faults import fault
-from ..studies.points import Base, Point, points_of, shard
-from ..studies.sweep import CSV_FILE, HDF5_FILE, PAGE_FILE, Swept
-from ..studies.task import Result
+from ..studies.sweep.points import Base, Point, points_of, shard
+from ..studies.sweep.sweep import CSV_FILE, HDF5_FILE, PAGE_FILE, Swept
+from ..studies.sweep.task import Result
 from .console import QUIET, Console, emit
 from .tables import table
 

@@ -12,9 +12,9 @@ from scenario_folder import SCENE, Folder, folder
 
 from dismech_cli.errors import ScenarioError
 from dismech_cli.scenario.language.sweep import Sweep
-from dismech_cli.studies.axes import latin_hypercube, rows, written
-from dismech_cli.studies.given_axes import Given
-from dismech_cli.studies.points import Base, points_of, shard
+from dismech_cli.studies.sweep.axes import latin_hypercube, rows, written
+from dismech_cli.studies.sweep.given_axes import Given
+from dismech_cli.studies.sweep.points import Base, points_of, shard
 
 __all__ = ["folder"]
 
@@ -209,7 +209,7 @@ def test_a_point_is_another_when_a_file_that_it_names_changes(folder: Folder):
     folder.write("g.csv", "0,0\n1,-9\n")
     before = points(folder, text, over={"parameters.E": ["3 MPa"]})
     (folder.path / "g.csv").write_text("0,0\n1,-8\n")
-    from dismech_cli.studies.points import _digest
+    from dismech_cli.studies.sweep.points import _digest
 
     _digest.cache_clear()  # a sweep is one process
     assert points(folder, text, over={"parameters.E": ["3 MPa"]}) != before

@@ -15,8 +15,8 @@ from numpy.testing import assert_allclose
 
 from dismech_cli.cli.result_schema import COMPARE
 from dismech_cli.errors import ScenarioError
-from dismech_cli.studies.compare import compare
-from dismech_cli.studies.tolerances import Tolerance, tolerances
+from dismech_cli.studies.compare.compare import compare
+from dismech_cli.studies.compare.tolerances import Tolerance, tolerances
 
 __all__ = ["call", "swing"]
 

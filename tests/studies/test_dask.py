@@ -147,7 +147,7 @@ def test_a_lost_scheduler_breaks_no_point(nursery: Nursery, arm: Path, cluster: 
 
 @needs_dask
 def test_no_scheduler_is_a_message(call, arm: Path, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr("dismech_cli.studies.dask_pool._CONNECT", "0.5s")
+    monkeypatch.setattr("dismech_cli.studies.sweep.dask_pool._CONNECT", "0.5s")
     done = call("sweep", "arm.yaml", "-o", "out", *SIXTEEN, "--executor", "dask://127.0.0.1:9")
     assert done.code == 2
     assert "no Dask scheduler answers at tcp://127.0.0.1:9" in done.stderr

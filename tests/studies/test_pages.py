@@ -13,9 +13,9 @@ from cli_call import call
 from cli_process import swing
 
 from dismech_cli.studies import page
-from dismech_cli.studies.sweep_page import sweep_page
-from dismech_cli.studies.table import columns
-from dismech_cli.studies.task import Result
+from dismech_cli.studies.sweep.sweep_page import sweep_page
+from dismech_cli.studies.sweep.table import columns
+from dismech_cli.studies.sweep.task import Result
 
 __all__ = ["call", "swing"]
 

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from dismech_cli.errors import OutputError
-from dismech_cli.studies.publish import (
+from dismech_cli.studies.sweep.publish import (
     Owner,
     Work,
     begin,

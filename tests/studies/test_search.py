@@ -18,12 +18,12 @@ import pytest
 
 from dismech_cli.scenario.language.study import Measured
 from dismech_cli.scenario.load import load
-from dismech_cli.studies.errors import Yardstick
-from dismech_cli.studies.given_study import given_over
-from dismech_cli.studies.measure import Point
-from dismech_cli.studies.refine import Found
-from dismech_cli.studies.search import Search
-from dismech_cli.studies.space import Setting, Space, make_space
+from dismech_cli.studies.study.errors import Yardstick
+from dismech_cli.studies.study.given_study import given_over
+from dismech_cli.studies.study.measure import Point
+from dismech_cli.studies.study.refine import Found
+from dismech_cli.studies.study.search import Search
+from dismech_cli.studies.study.space import Setting, Space, make_space
 
 ROOT = Path(__file__).parents[2]
 TABLES = sorted((ROOT / "tests" / "data" / "trade").glob("*.json"))

@@ -7,7 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from dismech_cli.scenario.language.study import Measured
-from dismech_cli.studies.errors import Yardstick, estimate
+from dismech_cli.studies.study.errors import Yardstick, estimate
 
 
 def _levels(order: float, constant: float = 1.0, ratio: float = 2.0, count: int = 3) -> list[float]:

@@ -294,7 +294,7 @@ def no_children(arm: Path) -> bool:
     for folder in Path("/proc").glob("[0-9]*"):
         try:
             line = (folder / "cmdline").read_bytes()
-            if b"dismech_cli.studies.child" in line and (folder / "cwd").resolve() == arm.resolve():
+            if b"dismech_cli.studies.sweep.child" in line and (folder / "cwd").resolve() == arm.resolve():
                 return False
         except OSError:
             continue

@@ -26,7 +26,7 @@ import json, os, resource, signal, sys
 import h5py
 import matplotlib.backends.backend_svg, matplotlib.figure
 import dismech_cli.output.writers, dismech_cli.session.start, dismech_cli.session.resume
-import dismech_cli.studies.sweep
+import dismech_cli.studies.sweep.sweep
 from dismech_cli.cli.app import main
 
 def become(job):

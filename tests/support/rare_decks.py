@@ -27,7 +27,7 @@ from dismech_cli.scenario.load import LoadedScenario
 from dismech_cli.sections.shells import hinge_stiffness
 from dismech_cli.session.report import Report
 from dismech_cli.solve.tangents import TANGENTS
-from dismech_cli.studies.axes import rows
+from dismech_cli.studies.sweep.axes import rows
 
 Choice = tuple[str, str]
 SHORT: Deck = {"integrator": {"type": "implicit_euler"}, "dt": 0.01, "t_end": 0.02}

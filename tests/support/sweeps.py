@@ -22,7 +22,7 @@ SCENE = (SWING + EXPECT).replace("youngs_modulus: 2 MPa", "youngs_modulus: $E").
 # What a child does instead of the points whose modulus it is told by: in a process of its own only.
 TROUBLE = """\
 import os, signal, sys, time
-if sys.orig_argv[2:4] == ["-m", "dismech_cli.studies.child"] and "TROUBLE" in os.environ:
+if sys.orig_argv[2:4] == ["-m", "dismech_cli.studies.sweep.child"] and "TROUBLE" in os.environ:
     import dismech_cli.session.start as door
     well = door.start
     def start(request, narrator):

@@ -46,9 +46,9 @@ def calibrate(
     use_threads(None, False)
     from ...output.jsonable import dumps
     from ...session.exit_codes import Exit
-    from ...studies.calibrate import calibrate
-    from ...studies.calibrate_page import write_fit_page
-    from ...studies.calibrate_report import as_json, as_text, write_report
+    from ...studies.calibrate.calibrate import calibrate
+    from ...studies.calibrate.fit_page import write_fit_page
+    from ...studies.calibrate.report import as_json, as_text, write_report
     from ...studies.source import Source
     from ..console import emit
 

@@ -42,7 +42,7 @@ def compare(
 ) -> int:
     """Entry point of the command."""
     use_threads(None, False)
-    from ...studies.compare import compare as run
+    from ...studies.compare.compare import compare as run
     from ..compare_result import show
 
     return show(run(first, second, tuple(tolerance or ())), json, quiet)

@@ -59,8 +59,8 @@ def gradient(
     use_threads(None, False)
     from ...output.jsonable import dumps
     from ...session.exit_codes import Exit
-    from ...studies.gradient import Method, gradient
-    from ...studies.gradient_report import as_json, as_text
+    from ...studies.gradient.gradient import Method, gradient
+    from ...studies.gradient.report import as_json, as_text
     from ...studies.source import Source
     from ..console import emit
 

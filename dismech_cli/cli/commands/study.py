@@ -56,11 +56,11 @@ def study(
     use_threads(None, False)
     from ...output.jsonable import dumps
     from ...session.exit_codes import Exit
-    from ...studies.given_study import given_over, given_quantities, given_target
-    from ...studies.points import Base
-    from ...studies.study import PAGE_FILE, Request
-    from ...studies.study import study as run
-    from ...studies.study_text import as_json
+    from ...studies.study.given_study import given_over, given_quantities, given_target
+    from ...studies.study.study import PAGE_FILE, Request
+    from ...studies.study.study import study as run
+    from ...studies.study.study_text import as_json
+    from ...studies.sweep.points import Base
     from ..console import QUIET, emit
 
     request = Request(

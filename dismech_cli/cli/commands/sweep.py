@@ -124,10 +124,10 @@ def sweep(
         )
     piece = shard(part)
     use_threads(None, deterministic)
-    from ...studies.given_axes import Given
-    from ...studies.points import Base
-    from ...studies.sweep import Request
-    from ...studies.sweep import sweep as run
+    from ...studies.sweep.given_axes import Given
+    from ...studies.sweep.points import Base
+    from ...studies.sweep.sweep import Request
+    from ...studies.sweep.sweep import sweep as run
     from ..junit import failures_in_junit, write_sweep
     from ..sweep_result import show, show_points
 
@@ -147,7 +147,7 @@ def sweep(
             return show_points(base, axes, piece, json)
         elsewhere = None
         if executor is not None:
-            from ...studies.dask_pool import executor_at
+            from ...studies.sweep.dask_pool import executor_at
 
             elsewhere = executor_at(executor, deterministic, gather)
         request = Request(

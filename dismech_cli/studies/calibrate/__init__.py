@@ -1,0 +1,1 @@
+"""Values of a scenario fitted to measured curves."""

@@ -1,0 +1,1 @@
+"""Two runs, field by field."""

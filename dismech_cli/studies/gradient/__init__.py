@@ -1,0 +1,1 @@
+"""Numbers of a run differentiated by values of its scenario."""

@@ -1,0 +1,196 @@
+"""Numbers read from a run, and how they change with its states."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ...arrays import FloatArray
+from ...model.state import State
+from ...run.account import EnergyAccount
+from ...run.observables.probes import Probe
+from ...run.observables.reduce import reduce_series
+from ...run.observe import Observer
+from ...run.simulation import Simulation
+from ...solve.adjoint import Owed
+from ...solve.neighbours import CENTRAL, Variation
+from ...solve.step import Stepper
+from ...solve.tape import TapedStep
+from .setting import Nearby
+
+Probes = Sequence[Probe]
+
+# Largest displacement of a state to see how a number changes, of an edge; largest turn [rad].
+_SMALL = 1e-3
+
+
+@dataclass(frozen=True, slots=True)
+class Reduced:
+    """A probe and what becomes of its course over time.
+
+    Attributes:
+        name: Its name in the scenario.
+        probe: The probe.
+        how: Key of the reductions.
+        at: Time of measurement in place of it [s].
+        after: Time before which nothing counts [s].
+    """
+
+    name: str
+    probe: Probe
+    how: str = "last"
+    at: float | None = None
+    after: float | None = None
+
+    @property
+    def of_end(self) -> bool:
+        """Whether the last state alone counts."""
+        return self.how == "last" and self.at is None
+
+    @property
+    def smooth(self) -> bool:
+        """Whether it has no kinks."""
+        return self.how not in ("min", "max", "span", "period")
+
+    def __call__(self, times: FloatArray, values: FloatArray) -> float:
+        """The number of a course."""
+        return reduce_series(times, values, self.how, at=self.at, after=self.after)
+
+    def slope(self, times: FloatArray, values: FloatArray, change: FloatArray) -> float:
+        """Change of the number with that of the course, all of shape (K,)."""
+        size = float(np.abs(change).max(initial=0.0))
+        if size == 0.0:
+            return 0.0
+        step = 1e-4 * (float(np.abs(values).max()) or 1.0) / size
+        numbers = [np.asarray(self(times, values + k * step * change)) for k in CENTRAL.offsets]
+        return float(CENTRAL(numbers, step))
+
+
+class Eye:
+    """Reads probes at states of one simulation, any of them and in any order.
+
+    Attributes:
+        length: Characteristic edge length [m].
+        edges: Edges whose frames are carried.
+    """
+
+    def __init__(self, simulation: Simulation) -> None:
+        """Bind what probes of energies ask for."""
+        self._model = simulation.model
+        self.length = simulation.model.length
+        self.edges = simulation.model.frames.turning
+        stepper = Stepper(
+            simulation.model, simulation.integrator, simulation.newton, simulation.linear_solver
+        )
+        self._account = EnergyAccount(simulation.model, simulation.roles, simulation.start)
+        self._account.bind(stepper.system, 0.0)
+        self._observer = Observer(simulation, stepper, self._account, lambda found: None)
+
+    def read(self, probe: Probe, state: State, residual: FloatArray) -> float:
+        """A probe at a state, with the residual of the stage that led there (n,)."""
+        return probe(self._observer.snapshot(state, residual))
+
+    def moved(self, state: State, d: Variation, column: int, step: float) -> State:
+        """A state by a step on in the direction of one parameter; its frames stay where they are stored."""
+        return replace(
+            state,
+            q=state.q + step * d.q[:, column],
+            v=state.v + step * d.v[:, column],
+            a=state.a + step * d.a[:, column],
+        )
+
+    def turned(self, state: State, d: Variation, column: int, step: float) -> State:
+        """The same with frames that turn with it."""
+        moved = self.moved(state, d, column, step)
+        turns = [step * turn[:, column] for turn in d.turns]
+        return replace(moved, frames=self._model.frames.turned(state.frames, moved.q, turns))
+
+    def small(self, d: Variation, column: int) -> float:
+        """A step in the direction of a parameter that moves a state by little; 0 where nothing moves."""
+        n = self._model.dofs.n_positions
+        moved = float(np.abs(d.q[:n, column]).max(initial=0.0)) / self._model.length
+        turned = float(np.abs(d.q[n:, column]).max(initial=0.0))
+        fastest = max(moved, turned)
+        if fastest > 0.0:
+            return _SMALL / fastest
+        rest = max(float(np.abs(x[:, column]).max(initial=0.0)) for x in (d.v, d.residual))
+        return 1.0 / rest if rest > 0.0 else 0.0
+
+
+class Readings:
+    """One probe along a taped run, with its derivatives to parameters."""
+
+    def __init__(
+        self, simulation: Simulation, probe: Probe, near: Sequence[Nearby], near_probes: Sequence[Probes]
+    ) -> None:
+        """Prepare to look.
+
+        Args:
+            simulation: What was run.
+            probe: What is read.
+            near: Neighbours of each parameter.
+            near_probes: The same probe as each of them has it: its places may move with the parameter.
+        """
+        self._eye, self._probe = Eye(simulation), probe
+        # energies alone are read from frames
+        self._move = self._eye.turned if probe.unit == "J" else self._eye.moved
+        self._near = [one.neighbours for one in near]
+        self._others = [
+            [(Eye(other), there) for other, there in zip(one.simulations, probes, strict=True)]
+            for one, probes in zip(near, near_probes, strict=True)
+        ]
+
+    def value(self, state: State, residual: FloatArray) -> float:
+        """The number at a state, with the residual that led there (n,)."""
+        return self._eye.read(self._probe, state, residual)
+
+    def slopes(self, state: State, residual: FloatArray, d: Variation) -> FloatArray:
+        """Its derivatives, shape (P,): by the scene at a fixed state, and by the state."""
+        return np.array(
+            [
+                self._by_scene(k, state, residual) + self._by_state(k, state, residual, d)
+                for k in range(len(self._near))
+            ]
+        )
+
+    def _by_scene(self, k: int, state: State, residual: FloatArray) -> float:
+        seen = [np.asarray(eye.read(probe, state, residual)) for eye, probe in self._others[k]]
+        return float(self._near[k].slope(seen))
+
+    def _by_state(self, k: int, state: State, residual: FloatArray, d: Variation) -> float:
+        step = self._eye.small(d, k)
+        if step == 0.0:
+            return 0.0
+        values = []
+        for offset in CENTRAL.offsets:
+            moved = self._move(state, d, k, offset * step)
+            pushed = residual + offset * step * d.residual[:, k]
+            values.append(np.asarray(self._eye.read(self._probe, moved, pushed)))
+        return float(CENTRAL(values, step))
+
+    def owed(self, state: State, residual: FloatArray) -> Owed:
+        """Derivative to the state itself, one number after the other; of probes of shape and velocity."""
+        n, turns = len(state.q), tuple(np.zeros(len(e.angles)) for e in self._eye.edges)
+        out = {name: np.zeros(n) for name in ("q", "v")}
+        sizes = {"q": self._eye.length, "v": float(np.abs(state.v).max(initial=0.0)) or 1.0}
+        for name, size in sizes.items():
+            base, step = getattr(state, name), _SMALL * size
+            for dof in range(n):
+                values = []
+                for offset in CENTRAL.offsets:
+                    there = base.copy()
+                    there[dof] += offset * step
+                    values.append(np.asarray(self.value(replace(state, **{name: there}), residual)))
+                out[name][dof] = float(CENTRAL(values, step))
+        return Owed(out["q"], out["v"], np.zeros(n), turns)
+
+    def by_scene(self, state: State, residual: FloatArray) -> FloatArray:
+        """Derivatives to the parameters at a fixed state, shape (P,)."""
+        return np.array([self._by_scene(k, state, residual) for k in range(len(self._near))])
+
+
+def states(start: State, steps: Sequence[TapedStep]) -> list[tuple[State, FloatArray]]:
+    """Every accepted state of a run with the residual that led to it."""
+    return [(start, np.zeros_like(start.q)), *((one.result.state, one.result.residual) for one in steps)]

@@ -1,0 +1,138 @@
+"""A run that leaves a tape, and what can be differentiated along it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from ...compose.compose import Composition, compose
+from ...control.loop import UNCONTROLLED
+from ...errors import ScenarioError, SolverError, UnfinishedError
+from ...run.adaptive import Adaptive
+from ...run.interrupt import StopRequest
+from ...run.loop import End, Outcome, run
+from ...run.observables.probes import Probe
+from ...run.simulation import Simulation
+from ...scenario.load import LoadedScenario
+from ...session.composing import composed
+from ...session.narrator import Narrator
+from ...session.sinks import Latest, Several, Telling
+from ...solve.neighbours import UnlikeError
+from ...solve.sensitivity import Differentiated
+from ...solve.tape import THROUGH_STAGES, Tape, TapedStep
+from ..source import Source
+from .setting import Nearby
+
+# Derivatives are those of exact balances: what Newton's method may leave is no more than this share.
+_TOLERANCE = 1e-10
+# A tape keeps six vectors of the size of the model per stage.
+_TAPE_BYTES = 4e9
+
+
+@dataclass(frozen=True, slots=True)
+class TapedRun:
+    """A run that came to its end.
+
+    Attributes:
+        simulation: What was run.
+        outcome: How it ended.
+        steps: Its steps.
+    """
+
+    simulation: Simulation
+    outcome: Outcome
+    steps: tuple[TapedStep, ...]
+
+
+def exactly(composition: Composition, watched: Mapping[str, Probe]) -> Simulation:
+    """A simulation whose balances are solved as well as rounding allows, and that watches some probes."""
+    simulation = composition.simulation
+    newton = simulation.newton
+    return replace(
+        simulation,
+        newton=replace(newton, tolerance=min(newton.tolerance, _TOLERANCE)),
+        frame_every=1e300,
+        fields=(),
+        probes={},
+        topology=replace(simulation.topology, scalars={}),
+        watched=watched,
+    )
+
+
+def run_taped(simulation: Simulation, narrator: Narrator, stop: StopRequest | None = None) -> TapedRun:
+    """Run a simulation to its end and keep its steps, if they can be.
+
+    Raises:
+        SolverError: It did not come to its end.
+        UnfinishedError: It was stopped.
+    """
+    tape = Tape(simulation.advance)
+    taped = replace(simulation, advance=tape)
+    outcome = run(taped, Several((Latest(), Telling(narrator))), stop=stop, announce=narrator.detail)
+    finished(outcome)
+    return TapedRun(simulation, outcome, tuple(tape.steps))
+
+
+def finished(outcome: Outcome) -> None:
+    """Refuse a run that did not come to its end.
+
+    Raises:
+        SolverError: It failed.
+        UnfinishedError: It was stopped.
+    """
+    if outcome.end is End.FAILED:
+        raise SolverError(f"the run has no end to differentiate: {outcome.message}")
+    if outcome.end is End.INTERRUPTED:
+        raise UnfinishedError(outcome.message)
+
+
+def why_not(simulation: Simulation) -> str:
+    """Why a run has no exact derivative; empty if it has one."""
+    model = simulation.model
+    if simulation.advance not in THROUGH_STAGES:
+        return "the load factor of a path of equilibria is an unknown"
+    if isinstance(simulation.control, Adaptive):
+        return "the lengths of adaptive steps depend on all values; 'numerics.dt' makes them fixed"
+    if simulation.controls is not UNCONTROLLED:
+        return "what controllers put in depends on all states before"
+    if model.changing:
+        return "contact has no tangent that is exact across its ends"
+    if any(edges.shared for edges in model.frames.turning):
+        return "shells that are welded share their normals"
+    stages = simulation.integrator.stages * simulation.control.steps
+    if 48.0 * stages * model.dofs.n > _TAPE_BYTES:
+        return "the run is too long to keep all its steps in memory"
+    return ""
+
+
+def differentiated(simulation: Simulation, near: Sequence[Nearby]) -> Differentiated:
+    """A simulation with its slopes to parameters.
+
+    Raises:
+        ScenarioError: A parameter changes the structure of the model.
+    """
+    try:
+        return Differentiated(simulation.model, simulation.integrator, [one.neighbours for one in near])
+    except UnlikeError as error:
+        path = near[error.index].setting.path
+        raise ScenarioError(f"{path} changes what the model is made of: it has no derivative") from None
+
+
+def start_run(source: Source, narrator: Narrator, *changes: str) -> tuple[LoadedScenario, Composition]:
+    """Read and compose a scenario, telling its doubts.
+
+    Raises:
+        ScenarioError: It cannot be read or composed.
+    """
+    loaded = source.load(*changes)
+    for warning in loaded.warnings:
+        narrator.warn(warning)
+    composition = composed(loaded, None, narrator)
+    for warning in composition.plan.warnings:
+        narrator.warn(warning)
+    return loaded, composition
+
+
+def quietly(source: Source, *changes: str) -> Composition:
+    """The same of a neighbour of a scenario, which has nothing new to tell."""
+    return compose(source.load(*changes))

@@ -1,0 +1,1 @@
+"""The cheapest setting for an accuracy, by search."""
