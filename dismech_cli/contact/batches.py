@@ -8,9 +8,10 @@ import numpy as np
 
 from ..arrays import FloatArray, IntArray
 from ..kernels.linearization import Pattern
+from .advance import longest_way
 from .candidates import Boxes, near_among, near_boxes
 from .cores import beside, facing_node
-from .faces import boxes_apart, face_pieces
+from .faces import boxes_apart, face_distances, face_pieces
 from .neighbours import distances
 from .pieces import Pieces
 from .points import Points, round_points
@@ -77,12 +78,18 @@ class Batches:
         points = round_points(facing_node(start, end - start, vertex), reach, factor)
         return replace(points, item=rows[points.item])
 
-    def closing(self, way: FloatArray, nodes: IntArray) -> FloatArray:
-        """By how much distances of lines from what they face change at most."""
-        ends = way[nodes].transpose(1, 2, 0)
-        apart = ends[:2, None] - ends[None, 2:]
-        speed: FloatArray = np.sqrt((apart * apart).sum(axis=2)).max(axis=(0, 1))
-        return speed
+    def safe_way(
+        self, x: FloatArray, way: FloatArray, nodes: IntArray, stop: FloatArray, nearest: FloatArray
+    ) -> float:
+        """Part of a way on which no gap of pairs falls below the least one."""
+        start, ways = (np.ascontiguousarray(every[nodes].transpose(1, 2, 0)) for every in (x, way))
+        apart = ways[:2, None] - ways[None, 2:]
+        measured = distances if nodes.shape[1] == 4 else face_distances
+
+        def gap_at(part: FloatArray, which: IntArray) -> FloatArray:
+            return measured(start[..., which] + part * ways[..., which]) - stop[which]
+
+        return longest_way(gap_at, np.sqrt((apart * apart).sum(axis=2)).max(axis=(0, 1)), nearest)
 
     def boxes_apart(self, x: FloatArray, more: FloatArray, nodes: IntArray) -> FloatArray:
         """Distances of the boxes of lines and triangles at two places of the nodes."""
@@ -96,8 +103,7 @@ class Batches:
 
     def face_distances(self, x: FloatArray, nodes: IntArray) -> FloatArray:
         """Distances of lines from triangles."""
-        pieces, _ = face_pieces(x, nodes)
-        return pieces.nearest(len(nodes))
+        return face_distances(np.ascontiguousarray(x[nodes].transpose(1, 2, 0)))
 
     def symmetric_places(self, stencils: Stencils, pattern: Pattern) -> SymmetricPlaces:
         """Places of the upper triangles of items."""

@@ -9,7 +9,7 @@ import numpy as np
 from ..arrays import FloatArray, IntArray
 from ..kernels.driver import Driver
 from ..kernels.linearization import Pattern
-from . import face_loops, line_loops, point_loops, slot_loops, sum_loops
+from . import face_loops, line_loops, point_loops, slot_loops, sum_loops, way_loops
 from .candidates import Boxes
 from .filled import Loop, PointsOf
 from .grid import Grid
@@ -27,7 +27,7 @@ class Compiled:
     surface: SurfaceLoops
     grid: Grid
     distances: Loop
-    speeds: Loop
+    ways: Loop
     to_faces: Loop
     boxes: Loop
     weighted: Loop
@@ -47,7 +47,7 @@ class Compiled:
             line_loops.segment_pieces,
             line_loops.vertex_pieces,
             line_loops.segment_distances,
-            line_loops.closing,
+            way_loops.safe_way,
             face_loops.face_distances,
             face_loops.boxes_apart,
             sum_loops.add_weighted,
@@ -78,11 +78,11 @@ class Compiled:
         self.distances(x, nodes, out)
         return out
 
-    def closing(self, way: FloatArray, nodes: IntArray) -> FloatArray:
-        """By how much distances of lines from what they face change at most."""
-        out = np.empty(len(nodes))
-        self.speeds(way, nodes, out)
-        return out
+    def safe_way(
+        self, x: FloatArray, way: FloatArray, nodes: IntArray, stop: FloatArray, nearest: FloatArray
+    ) -> float:
+        """Part of a way on which no gap of pairs falls below the least one."""
+        return float(self.ways(x, way, nodes, stop, nearest))
 
     def boxes_apart(self, x: FloatArray, more: FloatArray, nodes: IntArray) -> FloatArray:
         """Distances of the boxes of lines and triangles at two places of the nodes."""

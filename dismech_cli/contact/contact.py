@@ -22,11 +22,14 @@ from .loops import Loops, loops_of
 from .near_wall import NearWall
 from .neighbours import Neighbours
 from .rod_pairs import RodPairs
+from .search import Search
+from .searches import Searches
 from .source import Source
 from .stencils import Stencils
 from .stiffness import Hardness, Rule, given_up
 from .sums import deepest, summed, worst
 from .surface_pairs import SurfacePairs
+from .surface_search import FaceSearch
 from .terms import FullFriction, NormalTerm, SymmetricFriction
 from .touching import Touching
 from .walls import Wall
@@ -110,11 +113,16 @@ class Contacts:
         rough = contact.friction
         wall = NearWall if rough is None else rough.wall
         self._sources: tuple[Source, ...] = tuple(wall(one) for one in contact.walls)
+        searches = Searches()
         if contact.neighbours is not None:
-            self._sources = (*self._sources, RodPairs(contact.neighbours, loops_of(driver)))
+            rods = Search(contact.neighbours, loops_of(driver))
+            searches = replace(searches, rods=rods)
+            self._sources = (*self._sources, RodPairs(rods))
         if contact.faces is not None:
-            self._sources = (*self._sources, SurfacePairs(contact.faces, loops_of(driver)))
-        self._sources = (*self._sources, *contact.guards.sources())
+            faces = FaceSearch(contact.faces, loops_of(driver))
+            searches = replace(searches, faces=faces)
+            self._sources = (*self._sources, SurfacePairs(faces))
+        self._sources = (*self._sources, *contact.guards.sources(searches, self.loops))
         self.couplings: tuple[Coupling, ...] = ()
         self._list()
         self._at: Configuration | None = None

@@ -164,6 +164,18 @@ def boxes_apart(x: FloatArray, more: FloatArray, nodes: IntArray, out: FloatArra
 
 
 @loop
+def cut_distance(pair: FloatArray, cuts: FloatArray, pieces: FloatArray) -> float:
+    """Distance of the line of a pair from its triangle, whose pieces are written on the way."""
+    best = np.inf
+    for p in range(cut_line(pair, cuts, pieces)):
+        gap = (pieces[p, 2], pieces[p, 3], pieces[p, 4])
+        turn = (pieces[p, 5], pieces[p, 6], pieces[p, 7])
+        best = min(best, least(gap, turn, pieces[p, 0], pieces[p, 1]))
+    distance: float = np.sqrt(best)
+    return distance
+
+
+@loop
 def face_distances(x: FloatArray, nodes: IntArray, limit: FloatArray, out: FloatArray) -> None:
     """Distances of lines from triangles.
 
@@ -178,12 +190,7 @@ def face_distances(x: FloatArray, nodes: IntArray, limit: FloatArray, out: Float
         out[k] = np.inf
         if _apart(x, x, nodes, k) < limit[k] * limit[k]:
             lay_pair(x, nodes, k, pair)
-            best = np.inf
-            for p in range(cut_line(pair, cuts, pieces)):
-                gap = (pieces[p, 2], pieces[p, 3], pieces[p, 4])
-                turn = (pieces[p, 5], pieces[p, 6], pieces[p, 7])
-                best = min(best, least(gap, turn, pieces[p, 0], pieces[p, 1]))
-            out[k] = np.sqrt(best)
+            out[k] = cut_distance(pair, cuts, pieces)
 
 
 @loop

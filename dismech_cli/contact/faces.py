@@ -88,8 +88,7 @@ class Faces:
 
     def distances(self, x: FloatArray, pairs: IntArray) -> FloatArray:
         """Distances of pairs (P, 2), with nodes at (N, 3) [m], shape (P,)."""
-        pieces, _ = face_pieces(x, self.nodes(pairs))
-        return pieces.nearest(len(pairs))
+        return face_distances(np.ascontiguousarray(x[self.nodes(pairs)].transpose(1, 2, 0)))
 
     def boxes(self, x: FloatArray, more: float) -> tuple[Boxes, Boxes]:
         """Boxes of the lines that take part and of the triangles, and how far they and ``more`` [m] reach."""
@@ -115,6 +114,12 @@ def face_pieces(x: FloatArray, nodes: IntArray) -> tuple[Pieces, IntArray]:
     """Pieces of lines by what they face of a triangle each, nodes (P, 5) at (N, 3) [m], and the features."""
     places = np.ascontiguousarray(x[nodes].transpose(1, 2, 0))
     return features(places[0], places[1] - places[0], places[2:])
+
+
+def face_distances(places: FloatArray) -> FloatArray:
+    """Distances of lines from triangles, nodes (5, 3, P) [m]: two of the line first."""
+    pieces, _ = features(places[0], places[1] - places[0], places[2:])
+    return pieces.nearest(places.shape[2])
 
 
 def boxes_apart(x: FloatArray, more: FloatArray, nodes: IntArray) -> FloatArray:

@@ -13,7 +13,9 @@ from .barrier import Closest
 from .candidates import among
 from .closest import closest_of_points, closest_of_segments
 from .faces import Faces
+from .loops import Loops
 from .neighbours import Neighbours
+from .searches import Nearby, Searches
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,15 +48,23 @@ class Pairing(Protocol):
     def map(self) -> DofMap:
         """Numbering of the DOFs."""
 
-    @property
-    def thick(self) -> float:
-        """Largest distance at which any pair touches [m]."""
-
     def search(self, x: FloatArray, more: float) -> IntArray:
         """Keys of pairs that may touch or be ``more`` [m] farther apart, ascending."""
 
+    def nearby(self, searches: Searches) -> Nearby:
+        """What finds the pairs that they are parts of, in a run."""
+
+    def parts(self, keys: IntArray) -> IntArray:
+        """Keys of pairs that are parts of those that are found, ascending, each once."""
+
     def nodes(self, keys: IntArray) -> IntArray:
         """The four nodes of each pair, shape (K, 4)."""
+
+    def spans(self, keys: IntArray) -> IntArray:
+        """The same as lines and segments, shape (K, 4), or as lines and triangles, shape (K, 5)."""
+
+    def distances(self, x: FloatArray, keys: IntArray, loops: Loops) -> FloatArray:
+        """Distances at nodes (N, 3) [m], shape (K,)."""
 
     def closest(self, ends: FloatArray) -> Closest:
         """Closest points of pairs with nodes (4, 3, K) [m]."""
@@ -75,18 +85,29 @@ class RodEdges:
         """Numbering of the DOFs."""
         return self.all.map
 
-    @property
-    def thick(self) -> float:
-        """Largest distance at which any pair touches [m]."""
-        return 2.0 * float(self.all.lines.radii[self.all.numbers].max(initial=0.0))
-
     def search(self, x: FloatArray, more: float) -> IntArray:
         """Keys of pairs that may touch or be ``more`` [m] farther apart, ascending."""
         return np.sort(self.all.keys(self.all.search(x, more)))
 
+    def nearby(self, searches: Searches) -> Nearby:
+        """What finds rods."""
+        return searches.rods
+
+    def parts(self, keys: IntArray) -> IntArray:
+        """The same."""
+        return keys
+
     def nodes(self, keys: IntArray) -> IntArray:
         """The four nodes of each pair."""
         return self.all.lines.nodes[self.all.pairs(keys)].reshape(-1, 4)
+
+    def spans(self, keys: IntArray) -> IntArray:
+        """The same: lines and segments."""
+        return self.nodes(keys)
+
+    def distances(self, x: FloatArray, keys: IntArray, loops: Loops) -> FloatArray:
+        """Distances of segments."""
+        return loops.segment_distances(x, self.nodes(keys))
 
     def closest(self, ends: FloatArray) -> Closest:
         """Closest points of pairs."""
@@ -121,14 +142,17 @@ class SheetEdges:
         """Numbering of the DOFs."""
         return self.all.map
 
-    @property
-    def thick(self) -> float:
-        """Largest distance at which any pair touches [m]."""
-        return 2.0 * float(self.all.lines.radii[self.all.numbers].max(initial=0.0))
-
     def search(self, x: FloatArray, more: float) -> IntArray:
         """Keys of pairs that may touch or be ``more`` [m] farther apart, ascending."""
-        line, face = self.all.pairs(self.all.search(x, more)).T
+        return self.parts(self.all.search(x, more))
+
+    def nearby(self, searches: Searches) -> Nearby:
+        """What finds lines and triangles."""
+        return searches.faces
+
+    def parts(self, keys: IntArray) -> IntArray:
+        """Lines with the sides of triangles."""
+        line, face = self.all.pairs(keys).T
         keys = self.keys(np.repeat(line, 3), self.sides[face].reshape(-1))
         return keys[~among(keys, self.excluded)]
 
@@ -140,6 +164,14 @@ class SheetEdges:
     def nodes(self, keys: IntArray) -> IntArray:
         """The four nodes of each pair."""
         return self.all.lines.nodes[self._pairs(keys)].reshape(-1, 4)
+
+    def spans(self, keys: IntArray) -> IntArray:
+        """The same: lines and segments."""
+        return self.nodes(keys)
+
+    def distances(self, x: FloatArray, keys: IntArray, loops: Loops) -> FloatArray:
+        """Distances of segments."""
+        return loops.segment_distances(x, self.nodes(keys))
 
     def closest(self, ends: FloatArray) -> Closest:
         """Closest points of pairs."""
@@ -183,15 +215,17 @@ class SheetNodes:
         """Numbering of the DOFs."""
         return self.all.map
 
-    @property
-    def thick(self) -> float:
-        """Largest distance at which any pair touches [m]."""
-        every = self.all
-        return float(every.lines.radii[every.numbers].max(initial=0.0) + every.surface.halves.max())
-
     def search(self, x: FloatArray, more: float) -> IntArray:
         """Keys of pairs that may touch or be ``more`` [m] farther apart, ascending."""
-        line, face = self.all.pairs(self.all.search(x, more)).T
+        return self.parts(self.all.search(x, more))
+
+    def nearby(self, searches: Searches) -> Nearby:
+        """What finds lines and triangles."""
+        return searches.faces
+
+    def parts(self, keys: IntArray) -> IntArray:
+        """The ends of lines with triangles."""
+        line, face = self.all.pairs(keys).T
         keys = self.keys(self.all.lines.nodes[line], face[:, None])
         return keys[~among(keys, self.excluded)]
 
@@ -203,6 +237,15 @@ class SheetNodes:
         """The node and the corners."""
         node, face = self._pairs(keys)
         return np.column_stack((node, self.all.surface.nodes[face]))
+
+    def spans(self, keys: IntArray) -> IntArray:
+        """Lines without length and triangles."""
+        node, face = self._pairs(keys)
+        return np.column_stack((node, node, self.all.surface.nodes[face]))
+
+    def distances(self, x: FloatArray, keys: IntArray, loops: Loops) -> FloatArray:
+        """Distances of nodes from triangles."""
+        return loops.face_distances(x, self.spans(keys))
 
     def closest(self, ends: FloatArray) -> Closest:
         """Closest points of pairs."""
@@ -252,18 +295,29 @@ class Eased:
         """Numbering of the DOFs."""
         return self.all.map
 
-    @property
-    def thick(self) -> float:
-        """Largest distance at which any pair touches [m]."""
-        return self.all.thick
-
     def search(self, x: FloatArray, more: float) -> IntArray:
         """Keys of pairs that may touch or be ``more`` [m] farther apart, ascending."""
         return self.all.search(x, more)
 
+    def nearby(self, searches: Searches) -> Nearby:
+        """What finds the pairs that they are parts of."""
+        return self.all.nearby(searches)
+
+    def parts(self, keys: IntArray) -> IntArray:
+        """Keys of pairs that are parts of those that are found."""
+        return self.all.parts(keys)
+
     def nodes(self, keys: IntArray) -> IntArray:
         """The four nodes of each pair."""
         return self.all.nodes(keys)
+
+    def spans(self, keys: IntArray) -> IntArray:
+        """The same as lines and what they face."""
+        return self.all.spans(keys)
+
+    def distances(self, x: FloatArray, keys: IntArray, loops: Loops) -> FloatArray:
+        """Distances of pairs."""
+        return self.all.distances(x, keys, loops)
 
     def closest(self, ends: FloatArray) -> Closest:
         """Closest points of pairs."""

@@ -10,6 +10,8 @@ from ..arrays import FloatArray, IntArray
 from .barrier import Stop
 from .guard import Guard
 from .guarded import Pairing
+from .loops import Loops
+from .searches import Searches
 from .source import Source
 from .wall_guard import WallGuard
 from .walls import Wall
@@ -46,10 +48,10 @@ class Guarding:
     walls: tuple[Wall, ...]
     stop: Stop
 
-    def sources(self) -> tuple[Source, ...]:
+    def sources(self, searches: Searches, loops: Loops) -> tuple[Source, ...]:
         """What guards them in a run."""
         return (
-            *(Guard(pairing, self.stop) for pairing in self.pairings),
+            *(Guard(pairing, self.stop, pairing.nearby(searches), loops) for pairing in self.pairings),
             *(WallGuard(wall, self.stop) for wall in self.walls),
         )
 

@@ -98,6 +98,27 @@ def write_segment(
 
 
 @loop
+def segment_distance(start: Vector, slope: Vector, first: Vector, u: Vector) -> float:
+    """Distance of a line from a segment that begins at ``first`` and goes along ``u``."""
+    square, offset = dot(u, u), sub(start, first)
+    t0, t1 = dot(offset, u) / square, dot(slope, u) / square
+    early, late = passing(t0, t1)
+    best = np.inf
+    for part in range(3):
+        if part == 2:
+            low, high = early, late
+            gap, turn = combine(1.0, offset, -t0, u), combine(1.0, slope, -t1, u)
+        else:
+            before = (part == 0) == (t1 >= 0.0)
+            low, high = (0.0, early) if before else (late, 1.0)
+            gap, turn = offset if part == 0 else sub(offset, u), slope
+        if high > low:
+            best = min(best, least(gap, turn, low, high))
+    distance: float = np.sqrt(best)
+    return distance
+
+
+@loop
 def segment_distances(x: FloatArray, nodes: IntArray, out: FloatArray) -> None:
     """Distances of lines from segments.
 
@@ -108,34 +129,21 @@ def segment_distances(x: FloatArray, nodes: IntArray, out: FloatArray) -> None:
     """
     for k in range(len(out)):
         start, first = node(x, nodes[k, 0]), node(x, nodes[k, 2])
-        slope, u = sub(node(x, nodes[k, 1]), start), sub(node(x, nodes[k, 3]), first)
-        square, offset = dot(u, u), sub(start, first)
-        t0, t1 = dot(offset, u) / square, dot(slope, u) / square
-        early, late = passing(t0, t1)
-        best = np.inf
-        for part in range(3):
-            if part == 2:
-                low, high = early, late
-                gap, turn = combine(1.0, offset, -t0, u), combine(1.0, slope, -t1, u)
-            else:
-                before = (part == 0) == (t1 >= 0.0)
-                low, high = (0.0, early) if before else (late, 1.0)
-                gap, turn = offset if part == 0 else sub(offset, u), slope
-            if high > low:
-                best = min(best, least(gap, turn, low, high))
-        out[k] = np.sqrt(best)
+        out[k] = segment_distance(
+            start, sub(node(x, nodes[k, 1]), start), first, sub(node(x, nodes[k, 3]), first)
+        )
 
 
 @loop
-def closing(way: FloatArray, nodes: IntArray, out: FloatArray) -> None:
-    """Greatest difference of the ways of the nodes of lines and of those that they face, nodes (P, n)."""
-    for k in range(len(out)):
-        most = 0.0
-        for i in range(2):
-            for j in range(2, nodes.shape[1]):
-                apart = sub(node(way, nodes[k, i]), node(way, nodes[k, j]))
-                most = max(most, dot(apart, apart))
-        out[k] = np.sqrt(most)
+def closing(way: FloatArray, nodes: IntArray, k: int) -> float:
+    """Greatest difference of the ways of the nodes of a line and of those that it faces, nodes (P, n)."""
+    most = 0.0
+    for i in range(2):
+        for j in range(2, nodes.shape[1]):
+            apart = sub(node(way, nodes[k, i]), node(way, nodes[k, j]))
+            most = max(most, dot(apart, apart))
+    difference: float = np.sqrt(most)
+    return difference
 
 
 @loop

@@ -72,12 +72,17 @@ class Loops(Protocol):
     ) -> Points:
         """The same with vertices, nodes (S, 3)."""
 
-    def closing(self, way: FloatArray, nodes: IntArray) -> FloatArray:
-        """By how much distances of lines from what they face, nodes (P, n), change at most [m], shape (P,).
+    def safe_way(
+        self, x: FloatArray, way: FloatArray, nodes: IntArray, stop: FloatArray, nearest: FloatArray
+    ) -> float:
+        """Part in (0, 1] of a way on which no gap of pairs falls below the least one; see :mod:`.advance`.
 
         Args:
-            way: Of each node [m], shape (N, 3).
-            nodes: Two of the line first.
+            x: Nodes.
+            way: Of each [m], shape (N, 3).
+            nodes: Of lines and segments, shape (P, 4), or of lines and triangles, shape (P, 5).
+            stop: Gaps are what distances are more than this [m], shape (P,).
+            nearest: Least gap [m], shape (P,).
         """
 
     def boxes_apart(self, x: FloatArray, more: FloatArray, nodes: IntArray) -> FloatArray:

@@ -10,10 +10,7 @@ import numpy as np
 
 from ..arrays import FloatArray, IntArray
 from ..model.term import Memory
-from .advance import longest_way
 from .candidates import among
-from .loops import Loops
-from .neighbours import Neighbours
 from .placed import Placed
 from .search import MARGIN, Search
 from .source import Depths
@@ -66,15 +63,9 @@ class RodPairs:
 
     steady = True
 
-    def __init__(self, neighbours: Neighbours, loops: Loops) -> None:
-        """Find none yet.
-
-        Args:
-            neighbours: Who may touch.
-            loops: What is done to many pairs at once.
-        """
-        self._all, self._loops = neighbours, loops
-        self._search = Search(neighbours, loops)
+    def __init__(self, search: Search) -> None:
+        """Find none yet."""
+        self._all, self._loops, self._search = search.neighbours, search.loops, search
         self._placed = Placed(PAIRS, self._lay_out)
 
     def recall(self, memory: Memory) -> None:
@@ -156,22 +147,11 @@ class RodPairs:
     def longest_step(self, x0: FloatArray, x1: FloatArray, t0: float, t1: float) -> float:
         """Part of the way on which no lines pass through each other."""
         every = self._all
-        pairs = self._search.reaching(x0, x1)
-        if pairs is self._search.candidates:
-            self._search.measure(x0)
-            # what is too far away to come near needs no closer look
-            nodes = every.lines.nodes
-            moved = np.sqrt(((x1 - x0) ** 2).sum(axis=1))[nodes].max(axis=1)
-            least = np.minimum(_NEAREST * self._search.reach, 0.5 * self._search.distance)
-            pairs = pairs[moved[pairs].sum(axis=1) > self._search.distance - least]
+        pairs = every.pairs(self._search.coming(x0, x1, _NEAREST))
         if not len(pairs):
             return 1.0
-        nodes, way = every.nodes(pairs), x1 - x0
-
-        def gap_at(part: float, which: IntArray) -> FloatArray:
-            return self._loops.segment_distances(x0 + part * way, nodes[which])
-
-        return longest_way(gap_at, self._loops.closing(way, nodes), _NEAREST * every.reach(pairs))
+        stop, nearest = np.zeros(len(pairs)), _NEAREST * every.reach(pairs)
+        return self._loops.safe_way(x0, x1 - x0, every.nodes(pairs), stop, nearest)
 
     def _lay_out(self, keys: IntArray) -> None:
         """What pairs with these keys touch with."""

@@ -20,13 +20,15 @@ class Search:
     """Finds pairs by distance; what it finds does not depend on when it last looked around.
 
     Attributes:
+        neighbours: Who may touch.
+        loops: What is done to many pairs at once.
         candidates: Pairs that may be near, shape (P, 2).
         reach: Distance at which each touches [m], shape (P,).
         distance: Distance of each at the places last asked for [m], shape (P,).
     """
 
     def __init__(self, neighbours: Neighbours, loops: Loops) -> None:
-        self._all, self._loops = neighbours, loops
+        self.neighbours, self.loops = neighbours, loops
         self._thick = 2.0 * float(neighbours.lines.radii[neighbours.numbers].max(initial=0.0))
         self.skin = SKIN * self._thick
         self._searched: FloatArray | None = None
@@ -44,30 +46,46 @@ class Search:
         self._look(x)
         if not np.array_equal(x, self._measured):
             self._measured = x.copy()
-            self.distance = self._loops.segment_distances(x, self._nodes)
+            self.distance = self.loops.segment_distances(x, self._nodes)
+
+    def closer(self, x: FloatArray, share: float) -> IntArray:
+        """Keys of pairs nearer than a share of their reach, 1.25 at most, ascending."""
+        return self.within(x, share - 1.0)
+
+    def coming(self, x0: FloatArray, x1: FloatArray, share: float) -> IntArray:
+        """Keys of pairs that may come nearer than that on a straight way, ascending."""
+        pairs = self.reaching(x0, x1)
+        if pairs is not self.candidates:
+            return self.neighbours.keys(pairs)
+        self.measure(x0)
+        moved = np.sqrt(((x1 - x0) ** 2).sum(axis=1))[self.neighbours.lines.nodes].max(axis=1)
+        near = self.distance - moved[pairs].sum(axis=1) < share * self.reach
+        return np.asarray(self._keys[near])
 
     def reaching(self, x0: FloatArray, x1: FloatArray) -> IntArray:
         """Pairs that may come within reach of each other on a way, shape (P, 2)."""
-        used = self._all.lines.nodes[self._all.numbers]
+        used = self.neighbours.lines.nodes[self.neighbours.numbers]
         moved = float(np.sqrt(((x1 - x0)[used] ** 2).sum(axis=-1)).max(initial=0.0))
         self._look(x0)
         if 2.0 * moved + 2.0 * self._strayed(x0) <= self.skin:
             return self.candidates
-        return self._find(x0, 2.0 * moved)
+        return self.find(x0, 2.0 * moved)
 
-    def _find(self, x: FloatArray, more: float) -> IntArray:
+    def find(self, x: FloatArray, more: float) -> IntArray:
         """Allowed pairs within reach and ``more`` [m], shape (P, 2)."""
-        return self._all.allowed(self._all.numbers[self._loops.near_among(self._all.boxes(x, more))])
+        return self.neighbours.allowed(
+            self.neighbours.numbers[self.loops.near_among(self.neighbours.boxes(x, more))]
+        )
 
     def _look(self, x: FloatArray) -> None:
         """Search anew if nodes have moved so far that pairs may be missing."""
         if self._searched is not None and 2.0 * self._strayed(x) <= self.skin - MARGIN * self._thick:
             return
         self._searched = x.copy()
-        self.candidates = self._find(x, self.skin)
-        self._nodes = self._all.nodes(self.candidates)
-        self._keys = self._all.keys(self.candidates)
-        self.reach = self._all.reach(self.candidates)
+        self.candidates = self.find(x, self.skin)
+        self._nodes = self.neighbours.nodes(self.candidates)
+        self._keys = self.neighbours.keys(self.candidates)
+        self.reach = self.neighbours.reach(self.candidates)
         self._measured = np.empty(0)
 
     def _strayed(self, x: FloatArray) -> float:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from functools import partial
 from typing import Final
 
@@ -11,79 +10,21 @@ import numpy as np
 
 from ..arrays import FloatArray, IntArray
 from ..model.term import Memory
-from .advance import longest_way
 from .candidates import among
-from .faces import Faces
 from .facing import Facing
-from .loops import Loops, Near
 from .placed import Placed
 from .source import Depths
 from .stencils import Stencils
 from .stiffness import impact_force
+from .surface_search import MARGIN, Candidates, FaceSearch
 from .touching import Touching
 
 LISTED: Final = "contact.faces"
 
-# In units of the distance at which things touch: how far the search goes beyond it at least, and how far the
-# pairs that are given places in the matrix, once one that touches has none.
-_SKIN, _MARGIN = 0.5, 0.1
-# Of what moved between two searches, the next one goes so many times farther.
-_AHEAD = 4.0
 # Motion within a step may bring lines to half the distance at which they touch, or half as near as they are.
 _NEAREST = 0.5
 # A line that comes with a hair's breadth only would ask for any stiffness; no impact asks for more than this.
 _LARGEST = 1e9
-
-
-@dataclass(frozen=True, slots=True)
-class _Candidates:
-    """Pairs that may be near.
-
-    Attributes:
-        keys: Of the pairs, ascending, shape (P,).
-        nodes: Of their lines and triangles, shape (P, 5).
-        reach: Distance at which they touch [m], shape (P,).
-    """
-
-    keys: IntArray
-    nodes: IntArray
-    reach: FloatArray
-
-    @classmethod
-    def of(cls, faces: Faces, keys: IntArray) -> _Candidates:
-        """Pairs by their keys."""
-        pairs = faces.pairs(keys)
-        return cls(keys, faces.nodes(pairs), faces.reach(pairs))
-
-    def some(self, kept: IntArray) -> _Candidates:
-        """Those of some indices."""
-        return _Candidates(self.keys[kept], self.nodes[kept], self.reach[kept])
-
-
-@dataclass(frozen=True, slots=True)
-class _Seen:
-    """Pairs that are near at some places of the nodes.
-
-    Attributes:
-        x: The nodes [m], shape (N, 3).
-        keys: Of the pairs, ascending, shape (P,).
-        reach: Distance at which they touch [m], shape (P,).
-        near: What was measured of them.
-    """
-
-    x: FloatArray
-    keys: IntArray
-    reach: FloatArray
-    near: Near
-
-    @property
-    def distance(self) -> FloatArray:
-        """Of the pairs [m], shape (P,)."""
-        return self.near.distance
-
-    def within(self, margin: float) -> IntArray:
-        """Keys of those within reach and a margin in units of it."""
-        return self.keys[self.distance < (1.0 + margin) * self.reach]
 
 
 class SurfacePairs:
@@ -91,22 +32,9 @@ class SurfacePairs:
 
     steady = True
 
-    def __init__(self, faces: Faces, loops: Loops) -> None:
-        """Find none yet.
-
-        Args:
-            faces: Who may touch.
-            loops: What is done to many pairs at once.
-        """
-        self._all, self._loops = faces, loops
-        self._searched: FloatArray | None = None
-        self._candidates = _Candidates.of(faces, np.empty(0, dtype=np.int64))
-        self._skin = 0.0
-        self._thick = 2.0 * max(
-            float(faces.lines.radii[faces.numbers].max(initial=0.0)), float(faces.surface.halves.max())
-        )
-        self._used = np.union1d(faces.lines.nodes[faces.numbers], faces.surface.nodes)
-        self._seen: _Seen | None = None
+    def __init__(self, search: FaceSearch) -> None:
+        """Find none yet."""
+        self._all, self._loops, self._search = search.faces, search.loops, search
         self._placed = Placed(LISTED, self._lay_out)
 
     def recall(self, memory: Memory) -> None:
@@ -115,17 +43,17 @@ class SurfacePairs:
 
     def memory(self, x: FloatArray) -> Memory:
         """The pairs that have places; if too many of them are far apart, those that are near."""
-        return self._placed.memory(self._look(x).within(_MARGIN))
+        return self._placed.memory(self._search.look(x).within(MARGIN))
 
     def detect(self, x: FloatArray) -> bool:
         """Give places to all pairs nearby if one that touches has none."""
-        seen = self._look(x)
-        return self._placed.detect(seen.within(0.0), lambda: seen.within(_MARGIN))
+        seen = self._search.look(x)
+        return self._placed.detect(seen.within(0.0), lambda: seen.within(MARGIN))
 
     def touching(self, x: FloatArray, v: FloatArray, t: float, factor: float) -> Iterator[Touching]:
         """Lines against triangles, and what sides and corners of these count too much."""
         facing = self._facing
-        seen = self._look(x)
+        seen = self._search.look(x)
         placed = facing.keys
         which = np.flatnonzero((seen.distance < seen.reach) & among(seen.keys, placed))
         rows = np.searchsorted(placed, seen.keys[which])
@@ -153,7 +81,7 @@ class SurfacePairs:
 
     def depths(self, x: FloatArray, t: float) -> Depths:
         """Penetration of each line into each body, its deepest."""
-        every, seen = self._all, self._look(x)
+        every, seen = self._all, self._search.look(x)
         near = np.flatnonzero(seen.distance < seen.reach)
         pairs = every.pairs(seen.keys[near])
         shares = (seen.reach - seen.distance)[near] / every.thickness(pairs)
@@ -169,7 +97,7 @@ class SurfacePairs:
         Each line must be stopped by all that it faces together.
         """
         every = self._all
-        found = self._reaching(x, ahead)
+        found = self._search.reaching(x, ahead)
         keys, nodes, pairs = found.keys, found.nodes, every.pairs(found.keys)
         later = self._loops.face_distances(ahead, nodes)
         coming = np.flatnonzero(later < found.reach)
@@ -199,53 +127,11 @@ class SurfacePairs:
 
     def longest_step(self, x0: FloatArray, x1: FloatArray, t0: float, t1: float) -> float:
         """Part of the way on which no line passes through a triangle."""
-        found, way = self._reaching(x0, x1), x1 - x0
-        if not len(found.keys):
+        keys = self._search.coming(x0, x1, _NEAREST)
+        if not len(keys):
             return 1.0
-
-        def gap_at(part: float, which: IntArray) -> FloatArray:
-            return self._loops.face_distances(x0 + part * way, found.nodes[which])
-
-        return longest_way(gap_at, self._loops.closing(way, found.nodes), _NEAREST * found.reach)
-
-    def _reaching(self, x0: FloatArray, x1: FloatArray) -> _Candidates:
-        """Pairs that may come within reach of each other on a straight way."""
-        moved = _farthest((x1 - x0)[self._used])
-        self._search(x0)
-        found = self._candidates
-        if 2.0 * moved + 2.0 * self._strayed(x0) > self._skin:
-            found = self._find(x0, 2.0 * moved)
-        return found.some(np.flatnonzero(self._loops.boxes_apart(x0, x1, found.nodes) < found.reach))
-
-    def _look(self, x: FloatArray) -> _Seen:
-        """What is near; kept until other places are asked for."""
-        if self._seen is None or not np.array_equal(self._seen.x, x):
-            self._search(x)
-            x = x.copy()
-            every = self._candidates
-            near = self._loops.look(x, every.nodes, (1.0 + _MARGIN) * every.reach)
-            self._seen = _Seen(x, every.keys[near.kept], every.reach[near.kept], near)
-        return self._seen
-
-    def _find(self, x: FloatArray, more: float) -> _Candidates:
-        """Pairs within reach and ``more`` [m]."""
-        every = self._all
-        return _Candidates.of(every, every.allowed(self._loops.near_boxes(*every.boxes(x, more))))
-
-    def _search(self, x: FloatArray) -> None:
-        """Search anew if nodes have moved so far that pairs may be missing."""
-        spare = self._skin - _MARGIN * self._thick
-        strayed = 0.0 if self._searched is None else self._strayed(x)
-        if self._searched is not None and 2.0 * strayed <= spare:
-            return
-        self._skin = _SKIN * self._thick + min(_AHEAD * strayed, _AHEAD * self._thick)
-        self._searched = x.copy()
-        self._candidates = self._find(x, self._skin)
-
-    def _strayed(self, x: FloatArray) -> float:
-        """How far a node has moved since the last search [m]."""
-        assert self._searched is not None
-        return _farthest((x - self._searched)[self._used])
+        found = Candidates.of(self._all, keys)
+        return self._loops.safe_way(x0, x1 - x0, found.nodes, np.zeros(len(keys)), _NEAREST * found.reach)
 
     def _lay_out(self, keys: IntArray) -> None:
         """What pairs with these keys touch with."""
@@ -257,7 +143,3 @@ class SurfacePairs:
         self._signs = every.signs[line, face]
         kinds = (self._facing.nodes, junctions.sides, junctions.corners)
         self._stencils = tuple(Stencils(self._all.map, nodes) for nodes in kinds)
-
-
-def _farthest(way: FloatArray) -> float:
-    return float(np.sqrt((way * way).sum(axis=1).max(initial=0.0)))

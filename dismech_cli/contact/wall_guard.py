@@ -82,11 +82,12 @@ class WallGuard:
         wall = self._wall
         ends0, ends1 = wall.inward(x0, t0), wall.inward(x1, t1)
         way = ends1 - ends0
+        starts, ways = ends0.reshape(3, -1, 2), way.reshape(3, -1, 2)
         speed = np.sqrt((way * way).sum(axis=0)).reshape(-1, 2).max(axis=1)
         least = self._stop.nearest * wall.lines.radii
 
-        def gap_at(part: float, which: IntArray) -> FloatArray:
-            ends = (ends0 + part * way).reshape(3, -1, 2)[:, which]
+        def gap_at(part: FloatArray, which: IntArray) -> FloatArray:
+            ends = starts[:, which] + part[:, None] * ways[:, which]
             gaps = wall.obstacle.shape.gaps(ends[:, :, 0], ends[:, :, 1] - ends[:, :, 0])
             return gaps - least[which]
 

@@ -125,10 +125,11 @@ class Wall:
         # what the obstacle does to a point of space is what the point would do to the obstacle
         ends0, ends1 = self.inward(x0, t0), self.inward(x1, t1)
         way = ends1 - ends0
+        starts, ways = ends0.reshape(3, -1, 2), way.reshape(3, -1, 2)
         speed = np.sqrt((way * way).sum(axis=0)).reshape(-1, 2).max(axis=1)
 
-        def gap_at(part: float, which: IntArray) -> FloatArray:
-            ends = (ends0 + part * way).reshape(3, -1, 2)[:, which]
+        def gap_at(part: FloatArray, which: IntArray) -> FloatArray:
+            ends = starts[:, which] + part[:, None] * ways[:, which]
             return self.obstacle.shape.gaps(ends[:, :, 0], ends[:, :, 1] - ends[:, :, 0])
 
         return longest_way(gap_at, speed, _NEAREST * self.lines.radii)

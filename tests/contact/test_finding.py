@@ -12,6 +12,7 @@ from dismech_cli.contact.candidates import near_pairs
 from dismech_cli.contact.exclusion import near_along
 from dismech_cli.contact.neighbours import distances
 from dismech_cli.contact.rod_pairs import PAIRS, RodPairs
+from dismech_cli.contact.search import Search
 
 
 @pytest.mark.parametrize("spread", [0.0, 6.0])
@@ -70,7 +71,7 @@ def crossing(gap: float) -> tuple[RodPairs, np.ndarray]:
     found, x = neighbours(
         [np.stack((s, 0 * s, 0 * s), axis=1), np.stack((0 * s, s, 0 * s + gap), axis=1)], 0.01
     )
-    return RodPairs(found, Batches()), x
+    return RodPairs(Search(found, Batches())), x
 
 
 @pytest.mark.parametrize("way", [0.5, 3.0, 50.0])

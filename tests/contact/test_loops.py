@@ -17,6 +17,7 @@ from dismech_cli.contact.obstacle import HalfSpace, Rounded, Shape
 from dismech_cli.contact.points import Points
 from dismech_cli.contact.stencils import GeneralPlaces, Stencils, SymmetricPlaces
 from dismech_cli.contact.surface_pairs import SurfacePairs
+from dismech_cli.contact.surface_search import FaceSearch
 from dismech_cli.contact.touching import Touching
 from dismech_cli.kernels.linearization import Coupling
 from dismech_cli.kernels.numba_driver import NumbaDriver
@@ -89,8 +90,27 @@ def test_distances_of_triangles(compiled: Loops) -> None:
     assert_array_equal(near.kept, other.kept)
     assert_allclose(near.distance, other.distance, rtol=1e-10, atol=1e-13)
     more = x + 0.1 * RNG.normal(size=x.shape)
-    assert_allclose(compiled.closing(more - x, nodes), Batches().closing(more - x, nodes), rtol=1e-14)
     assert_allclose(compiled.boxes_apart(x, more, nodes), Batches().boxes_apart(x, more, nodes), rtol=1e-14)
+
+
+@pytest.mark.parametrize("size", [4, 5])
+def test_ways(compiled: Loops, size: int) -> None:
+    """Of each pair alone and of all: as far as batches say, and no distance falls below what it must keep."""
+    x, nodes = places(size)
+    way = 0.5 * RNG.normal(size=x.shape)
+    stop, nearest = 0.1 * RNG.uniform(size=(2, COUNT))
+    one = [compiled.safe_way(x, way, nodes[[k]], stop[[k]], nearest[[k]]) for k in range(COUNT)]
+    other = [Batches().safe_way(x, way, nodes[[k]], stop[[k]], nearest[[k]]) for k in range(COUNT)]
+    assert_allclose(one, other, rtol=1e-9)
+    assert 20 < np.count_nonzero(np.array(one) < 1.0) < COUNT - 20
+    for loops in (compiled, Batches()):
+        assert_allclose(loops.safe_way(x, way, nodes, stop, nearest), np.min(one), rtol=1e-9)
+    measure = compiled.segment_distances if size == 4 else compiled.face_distances
+    gap = measure(x, nodes) - stop
+    for share in np.linspace(0.0, 1.0, 11):
+        parts = share * np.repeat(one, size)[:, None]
+        later = measure(x + parts * way, nodes) - stop
+        assert (later >= np.minimum(nearest, 0.5 * gap) - 1e-12)[gap > 0.0].all()
 
 
 @pytest.mark.parametrize("kind", ["segment_points", "vertex_points"])
@@ -111,7 +131,7 @@ def test_points_on_surfaces(compiled: Loops, rough: float) -> None:
     found, x = faces([flat(1.0, 0.2, jitter=0.3), flat(1.0, 0.23, turn=17.0, jitter=0.3)], 0.1)
     x[len(x) // 2 :, 2] += 0.09
     x = x + rough * 0.1 * RNG.normal(size=x.shape)
-    ours, theirs = (SurfacePairs(found, loops) for loops in (compiled, Batches()))
+    ours, theirs = (SurfacePairs(FaceSearch(found, loops)) for loops in (compiled, Batches()))
     touching = []
     for pairs in (ours, theirs):
         pairs.detect(x)

@@ -125,7 +125,7 @@ def test_velocity_of_a_turning_obstacle() -> None:
 def test_a_way_ends_before_what_is_in_it() -> None:
     """A point that flies at a wall a thousand times its gap away is stopped at the wall's least distance."""
     gap, way = 1000.0, 2000.0
-    part = longest_way(lambda part, which: np.array([gap - part * way]), np.array([way]), np.array([0.5]))
+    part = longest_way(lambda part, which: gap - part * way, np.array([way]), np.array([0.5]))
     assert 0.5 <= gap - part * way < 0.5 + 0.11 * gap
     free = longest_way(lambda part, which: np.full(1, gap), np.array([10.0]), np.array([0.5]))
     assert free == 1.0

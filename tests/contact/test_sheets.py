@@ -9,6 +9,7 @@ from touching_sheets import energy, faces, flat, gradient
 
 from dismech_cli.contact.batches import Batches
 from dismech_cli.contact.surface_pairs import SurfacePairs
+from dismech_cli.contact.surface_search import FaceSearch
 
 H = 1.0
 """Distance at which the bodies touch."""
@@ -120,9 +121,9 @@ def test_a_sheet_that_falls_through_another_is_stopped() -> None:
     start, end = x.copy(), x.copy()
     upper = np.arange(len(x)) >= len(flat(8.0, 2.0)[0])
     start[upper, 2], end[upper, 2] = 2.0, -50.0
-    part = SurfacePairs(found, Batches()).longest_step(start, end, 0.0, 1.0)
+    part = SurfacePairs(FaceSearch(found, Batches())).longest_step(start, end, 0.0, 1.0)
     height = 2.0 - 52.0 * part
     assert 0.5 * H <= height < 0.7 * H
     # what moves along is free
     end = start + np.array([1.0, 0.0, 100.0])
-    assert SurfacePairs(found, Batches()).longest_step(start, end, 0.0, 1.0) == 1.0
+    assert SurfacePairs(FaceSearch(found, Batches())).longest_step(start, end, 0.0, 1.0) == 1.0

@@ -11,6 +11,7 @@ from dismech_cli.contact.batches import Batches
 from dismech_cli.contact.lines import Lines
 from dismech_cli.contact.neighbours import Neighbours
 from dismech_cli.contact.rod_pairs import RodPairs
+from dismech_cli.contact.search import Search
 from dismech_cli.kinematics.dofs import DofMap
 
 
@@ -56,14 +57,14 @@ def neighbours(chains: Sequence[FloatArray], radius: float) -> tuple[Neighbours,
 
 def energy(found: Neighbours, x: FloatArray) -> float:
     """Energy of contact [J]."""
-    pairs = RodPairs(found, Batches())
+    pairs = RodPairs(Search(found, Batches()))
     pairs.detect(x)
     return sum(float(t.points.energy.sum()) for t in pairs.touching(x, 0.0 * x, 0.0, 1.0))
 
 
 def gradient(found: Neighbours, x: FloatArray) -> FloatArray:
     """Its derivative to the nodes [N], shape (N, 3)."""
-    pairs = RodPairs(found, Batches())
+    pairs = RodPairs(Search(found, Batches()))
     pairs.detect(x)
     r = np.zeros(x.size)
     for touching in pairs.touching(x, 0.0 * x, 0.0, 1.0):
@@ -73,7 +74,7 @@ def gradient(found: Neighbours, x: FloatArray) -> FloatArray:
 
 def stiffness(found: Neighbours, x: FloatArray) -> FloatArray:
     """Its second derivative, shape (3 N, 3 N)."""
-    pairs = RodPairs(found, Batches())
+    pairs = RodPairs(Search(found, Batches()))
     pairs.detect(x)
     full = np.zeros((x.size, x.size))
     for touching in pairs.touching(x, 0.0 * x, 0.0, 1.0):

@@ -15,6 +15,7 @@ from dismech_cli.contact.lines import Lines
 from dismech_cli.contact.surface import Surface
 from dismech_cli.contact.surface_exclusion import with_exclusions
 from dismech_cli.contact.surface_pairs import SurfacePairs
+from dismech_cli.contact.surface_search import FaceSearch
 from dismech_cli.kinematics.dofs import DofMap
 
 Sheet: TypeAlias = tuple[FloatArray, IntArray]
@@ -95,14 +96,14 @@ def faces(
 
 def energy(found: Faces, x: FloatArray) -> float:
     """Energy of contact [J]."""
-    pairs = SurfacePairs(found, Batches())
+    pairs = SurfacePairs(FaceSearch(found, Batches()))
     pairs.detect(x)
     return sum(float(t.points.energy.sum()) for t in pairs.touching(x, 0.0 * x, 0.0, 1.0))
 
 
 def gradient(found: Faces, x: FloatArray) -> FloatArray:
     """Its derivative to the nodes [N], shape (N, 3)."""
-    pairs = SurfacePairs(found, Batches())
+    pairs = SurfacePairs(FaceSearch(found, Batches()))
     pairs.detect(x)
     r = np.zeros(x.size)
     for touching in pairs.touching(x, 0.0 * x, 0.0, 1.0):
