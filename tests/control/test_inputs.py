@@ -93,6 +93,10 @@ PLANAR = {"strain": "curvature_1", "rod": "arm"}
             {"output": {"probes": {"x": {"controller": "bent", "measure": "error"}}}},
             "output.probes.x.controller: no controller is named 'bent'",
         ),
+        (
+            {"bend": {"period": 1e-9}, "numerics": {"t_end": 2.0, "dt": 0.02}},
+            "controllers.bend.period: 2e\\+09 samples to the end of the run at 2 s; at most 1e\\+06",
+        ),
         ({"output": {"probes": {"x": {"sensor": "s"}}}}, "output.probes.x.sensor: no sensor is named 's'"),
         (
             {"output": {"probes": {"x": {"shape": "leg", "target": {"file": "a.csv"}}}}},

@@ -133,13 +133,13 @@ def make_control(
 def _events(scene: Scene) -> tuple[float, ...]:
     """Times of all samples [s]."""
     end = scene.scenario.numerics.t_end or 0.0
-    times: set[float] = set()
+    times = np.empty(0)
     for spec in scene.scenario.controllers.values():
         if isinstance(spec, control.Ideal):
             continue
         count = int((end - spec.start) / spec.period) + 2 if end > spec.start else 0
-        times.update(spec.start + k * spec.period for k in range(count))
-    return tuple(sorted(t for t in times if t < end))
+        times = np.union1d(times, spec.start + spec.period * np.arange(count))
+    return tuple(times[times < end].tolist())
 
 
 _Read: TypeAlias = tuple[Reading, Springs | None]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Final
 
 from ...words import hint
 from ..language.actuation import Controlled
@@ -43,6 +44,9 @@ _UNREAD = (
     | ShapeProbe
 )
 
+MAX_SAMPLES: Final = 1_000_000
+"""Samples of a controller in a run: a step ends at each."""
+
 
 def control_findings(scenario: Scenario) -> Iterator[Finding]:
     """What cannot be meant."""
@@ -50,8 +54,15 @@ def control_findings(scenario: Scenario) -> Iterator[Finding]:
     yield from _sensors(scenario)
     yield from _probes(scenario)
     dt = None if scenario.numerics.adapts else scenario.numerics.dt
+    end = scenario.numerics.t_end or 0.0
     for name, spec in scenario.controllers.items():
         path = ("controllers", name)
+        samples = 0.0 if isinstance(spec, Ideal) else (end - spec.start) / spec.period
+        if samples > MAX_SAMPLES:
+            yield (
+                (*path, "period"),
+                f"{samples:.3g} samples to the end of the run at {end:g} s; at most {MAX_SAMPLES:.0e}",
+            )
         for key, sensor in _read(spec, path):
             if sensor not in scenario.sensors:
                 yield key, f"no sensor is named {sensor!r}{hint(sensor, scenario.sensors)}"
