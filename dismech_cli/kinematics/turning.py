@@ -20,6 +20,28 @@ from ..arrays import FloatArray, IntArray
 
 
 @dataclass(frozen=True, slots=True)
+class Holonomy:
+    """How the frames of some edges turn with the ends of the way that they were carried along.
+
+    Attributes:
+        before: Slope of sigma to the edge vectors where it starts [rad/m], shape (3, E).
+        after: To those where it ends.
+        edge: The edge vectors there [m], shape (3, E).
+        length: Their lengths, shape (E,).
+    """
+
+    before: FloatArray
+    after: FloatArray
+    edge: FloatArray
+    length: FloatArray
+
+
+def crossed(a: FloatArray, b: FloatArray) -> FloatArray:
+    """Cross products of columns, shape (3, E)."""
+    return np.stack((a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]))
+
+
+@dataclass(frozen=True, slots=True)
 class TurningEdges:
     """Edges whose frames are carried from step to step.
 
@@ -45,18 +67,12 @@ class TurningEdges:
         difference: FloatArray = x[self.heads] - x[self.tails]
         return difference
 
-    def holonomy(self, q0: FloatArray, q1: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Slopes of sigma to the edge vectors at both ends of a transport [rad/m], each of shape (3, E).
-
-        Args:
-            q0: Where the transport starts, shape (n,).
-            q1: Where it ends.
-        """
+    def holonomy(self, q0: FloatArray, q1: FloatArray) -> Holonomy:
+        """That of a transport from shapes (n,) to others."""
         e0, e1 = self.along(q0), self.along(q1)
         l0, l1 = (np.sqrt((e * e).sum(axis=0)) for e in (e0, e1))
-        t0, t1 = e0 / l0, e1 / l1
-        kb = 2.0 * np.cross(t0, t1, axis=0) / (1.0 + (t0 * t1).sum(axis=0))
-        return -0.5 * kb / l0, -0.5 * kb / l1
+        half = crossed(e0, e1) / -(l0 * l1 + (e0 * e1).sum(axis=0))
+        return Holonomy(half / l0, half / l1, e1, l1)
 
     def add_along(self, x: FloatArray, by_edge: FloatArray) -> None:
         """Add to ``x`` (n,) what :meth:`along` transposed makes of a vector of each edge, shape (3, E)."""

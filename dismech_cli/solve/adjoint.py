@@ -121,31 +121,40 @@ def _through(
     """What is owed to the state that a stage starts from; adds what is to the start and to parameters."""
     stage, held = solved.stage, model.held(step.start.t)
     w, led, free = stage.weights, held.led, held.balance.free
-    c, slopes = model.slopes(solved)
+    c, slopes, holonomies = model.slopes(solved)
     # the state at the end, from the unknown q and the constants of the maps
     v, a, mean = owed.v.copy(), owed.a.copy(), np.zeros_like(owed.v)
     mean[led] = v[led] / (stage.t_end - solved.since)
     v[led] = a[led] = 0.0
     to_q = owed.q + stage.v_end[0] * v + stage.a_end[0] * a + mean
     before = -mean
-    for edges, turns in zip(model.edges, owed.turns, strict=True):
-        at_start, at_end = edges.holonomy(solved.before, solved.q)
-        edges.add_along(to_q, at_end * turns)
-        edges.add_along(before, at_start * turns)
-    # the balance
+    ends = model.at_end(solved, holonomies)
+    for edges, turns, one in zip(model.edges, owed.turns, ends, strict=True):
+        edges.add_along(to_q, one.after * turns)
+        edges.add_along(before, one.before * turns)
+    # the balance: K^T mu follows from J^T mu
     mu = np.zeros_like(to_q)
     mu[free] = held.balance.factorize(slopes, w).solve_transposed(to_q[free])
-    by_q, by_v, by_a = slopes.transposed(mu)
-    by_turn = slopes.turned_transposed(mu)
-    gradient -= mu @ model.by_parameters(c, stage.acceleration(solved.q))
-    to_held = (to_q - w.q * by_q - w.v * by_v - w.a * by_a)[held.dofs]
-    still = np.zeros_like(to_q)
-    turnless = tuple(map(np.zeros_like, owed.turns))
-    since = Since(solved.since, solved.before, solved.stored)
-    for k, one in enumerate(model.parameters):
-        gradient[k] += to_held @ one.of_holds(held.dofs, stage.t_end, since, still, turnless)
-    for edges, turns in zip(model.edges, by_turn, strict=True):
-        edges.add_along(before, -edges.holonomy(solved.before, c.q)[0] * turns)
+    by_all = held.balance.transposed(mu) if held.dofs.size else to_q
+    by_a = model.model.mass * mu
+    by_q = by_all - w.a * by_a
+    by_v = np.zeros_like(mu)
+    if slopes.damped:
+        by_v = slopes.by_velocity_transposed(mu)
+        by_q -= w.v * by_v
+    by_q /= w.q
+    gradient -= mu @ model.by_parameters(c, slopes, stage.acceleration(solved.q))
+    moving = [k for k, one in enumerate(model.parameters) if one.moves] if held.dofs.size else []
+    if moving:
+        to_held, still = (to_q - by_all)[held.dofs], np.zeros_like(to_q)
+        since = Since(solved.since, solved.before, solved.stored)
+        turnless = tuple(map(np.zeros_like, owed.turns))
+        for k in moving:
+            law = model.parameters[k].of_holds(held.dofs, stage.t_end, since, still, turnless)
+            gradient[k] += to_held @ law
+    by_turn = tuple(by_q[edges.angles] for edges in model.edges)
+    for edges, turns, one in zip(model.edges, by_turn, holonomies, strict=True):
+        edges.add_along(before, -one.before * turns)
     latest = Owed(
         before,
         np.zeros_like(before),
@@ -162,22 +171,23 @@ def _through(
     )
     for slope, owing in parts:
         for to, (by_position, by_rate, by_second) in zip((to_start, latest), slope, strict=True):
-            to.q += by_position * owing
-            to.v += by_rate * owing
-            to.a += by_second * owing
+            for array, by in ((to.q, by_position), (to.v, by_rate), (to.a, by_second)):
+                if by:
+                    array += by * owing
     return latest
 
 
 def _balanced(model: Differentiated, state: State, owed: Owed, gradient: FloatArray) -> None:
     """The acceleration that a step starts with, from the balance of forces."""
     c, slopes = model.slopes_at(state)
-    free, mass = model.held(state.t).balance.free, model.model.mass
-    movable = free[mass[free] > 0.0]
+    balance, mass = model.held(state.t).balance, model.model.mass
+    movable = balance.free[mass[balance.free] > 0.0]
     mu = np.zeros_like(owed.q)
     mu[movable] = owed.a[movable] / mass[movable]
-    by_q, by_v, _ = slopes.transposed(mu)
-    gradient -= mu @ model.by_parameters(c, state.a)
+    by_q = balance.stiff_transposed(slopes, mu)
+    gradient -= mu @ model.by_parameters(c, slopes, state.a)
     owed.q -= by_q
-    owed.v -= by_v
-    owed.turns = tuple(x - y for x, y in zip(owed.turns, slopes.turned_transposed(mu), strict=True))
+    if slopes.damped:
+        owed.v -= slopes.by_velocity_transposed(mu)
+    owed.turns = tuple(x - by_q[edges.angles] for edges, x in zip(model.edges, owed.turns, strict=True))
     owed.a[:] = 0.0

@@ -111,6 +111,9 @@ class ParameterSlope:
 
     Attributes:
         mass: That of the diagonal of the mass matrix, shape (n,).
+        inert: Whether that is zero.
+        shares: Slope of the residual of each term, of the residual itself where it is a multiple of it and
+            zero elsewhere, shape (T,).
         moves: Whether motions change with the parameter.
         nothing: Whether the parameter changes nothing at all.
     """
@@ -151,22 +154,27 @@ class ParameterSlope:
             )
             for index in changed
         ]
-        for c in _anywhere(model, near.starts[0]):
-            here = Here(c, terms)
-            for term in self._terms:
-                term.look(here)
+        points = [Here(c, terms) for c in _anywhere(model, near.starts[0])]
+        for term in self._terms:
+            term.look(points)
+        self.shares = np.zeros(len(model.terms))
+        for term in self._terms:
+            self.shares[term.index] = term.share
+        self._rest = [term for term in self._terms if not term.share]
         self.mass = near.slope([other.mass for other in near.models])
-        self._inert = not self.mass.any()
+        self.inert = not self.mass.any()
         starts = [(one.q, one.v, one.a, one.frames) for one in near.starts]
         self.moves = not all(alike(model.motions, other.motions) for other in near.models)
         self.nothing = (
-            not changed and self._inert and not self.moves and all(alike(starts[0], x) for x in starts)
+            not changed and self.inert and not self.moves and all(alike(starts[0], x) for x in starts)
         )
 
-    def of_balance(self, here: Here, a: FloatArray) -> FloatArray:
-        """D(M a + r)/dp at a fixed state, shape (n,)."""
-        total = np.zeros_like(a) if self._inert else self.mass * a
-        for term in self._terms:
+    def of_others(self, here: Here) -> FloatArray | None:
+        """Dr/dp at a fixed state of the terms that have no share, shape (n,); None where there are none."""
+        if not self._rest:
+            return None
+        total = self._rest[0].slope(here)
+        for term in self._rest[1:]:
             total = total + term.slope(here)
         return total
 
@@ -230,31 +238,52 @@ def _residual(term: BoundTerm, c: Configuration) -> FloatArray:
 
 
 class _Varied:
-    """A term at the neighbours; one evaluation more tells all of what is affine, as in moduli and loads."""
+    """A term at the neighbours.
+
+    What is a multiple of the residual itself, as by a modulus, needs no evaluation; what is affine, as by a
+    load, needs one; the rest needs as many as there are neighbours.
+    """
 
     def __init__(self, near: Neighbours, index: int, terms: tuple[BoundTerm, ...]) -> None:
-        self._near, self._index, self._terms = near, index, terms
-        # on one side alone a wrong guess would cost three orders of accuracy
-        self._affine = near.difference is CENTRAL
-        self._seen = False
+        self._near, self.index, self._terms = near, index, terms
+        self._affine = False
+        self.share = 0.0
 
-    def look(self, here: Here) -> None:
-        """Whether it may still be affine, seen at a trial point."""
-        values = [_residual(term, here.c) for term in self._terms]
-        size = max(float(np.abs(value).max(initial=0.0)) for value in values)
-        rough, fine = self._near.affine_slope(values[0], here.residual(self._index)), self._near.slope(values)
-        apart = float(np.abs(rough - fine).max(initial=0.0))
-        # what rounding of the values alone may leave
-        rounding = 64.0 * _EPS * size / self._near.step
-        self._affine &= apart <= rounding + 1e-13 * float(np.abs(fine).max(initial=0.0))
-        # what matters at other times only, as a knot of a table does, is not known to be affine
-        self._seen |= float(np.abs(fine).max(initial=0.0)) > rounding
+    def look(self, points: Sequence[Here]) -> None:
+        """Which it is, seen at some trial points."""
+        step, affine, seen = self._near.step, True, False
+        shares, multiple = [], True
+        for here in points:
+            residual = here.residual(self.index)
+            values = [_residual(term, here.c) for term in self._terms]
+            rough, fine = self._near.affine_slope(values[0], residual), self._near.slope(values)
+            slope = _largest(fine)
+            # what rounding of the values alone may leave
+            rounding = 64.0 * _EPS * max(map(_largest, values)) / step
+            affine &= _largest(rough - fine) <= rounding + 1e-13 * slope
+            # what matters at other times only, as a knot of a table does, is not known to be affine
+            seen |= slope > rounding
+            size = float(residual @ residual)
+            share = float(fine @ residual) / size if size > 0.0 else 0.0
+            multiple &= _largest(fine - share * residual) <= rounding + 1e-13 * slope
+            shares.append(share)
+        # on one side alone a wrong guess would cost three orders of accuracy
+        self._affine = affine and seen and self._near.difference is CENTRAL
+        # the same multiple everywhere, and at all times: a load may be one up to the first knot of its table
+        steady = all((energy := term.potential) is not None and energy.steady for term in self._terms)
+        mean = float(np.mean(shares))
+        if steady and seen and multiple and np.ptp(shares) <= 1e-9 * abs(mean):
+            self.share = mean
 
     def slope(self, here: Here) -> FloatArray:
         """Derivative of its residual, shape (n,)."""
-        if self._affine and self._seen:
-            return self._near.affine_slope(_residual(self._terms[0], here.c), here.residual(self._index))
+        if self._affine:
+            return self._near.affine_slope(_residual(self._terms[0], here.c), here.residual(self.index))
         return self._near.slope([_residual(term, here.c) for term in self._terms])
+
+
+def _largest(x: FloatArray) -> float:
+    return float(np.abs(x).max(initial=0.0))
 
 
 def _anywhere(model: Model, start: State) -> list[Configuration]:

@@ -3,22 +3,28 @@
 The balance of a stage, M a_s + r(q_s, v_s; p) = 0 with q_s, v_s, a_s affine in the unknown q and in the
 state before, is differentiated as it stands:
 
-    (a M + v C + q K) dq = -(dr/dp + K q0(d) + C v0(d) + M a0(d)),
+    J dq = -(dr/dp + K q0(d) + C v0(d) + M a0(d)),   J = a M + v C + q K,
 
-where d is the derivative of the state before, put through the same maps of the integrator. One text serves
-statics and all integrators; what holds still has no derivative, what is held moves with the parameters of
-its motion.
+where d is the derivative of the state before, put through the same maps of the integrator. With dq = x + y
+and y = -q0(d)/q the product with K drops out, which is the dearest:
+
+    J x = -(dr/dp + C (v0(d) + v y) + M (a0(d) + a y)).
+
+One text serves statics and all integrators; what holds still has no derivative, what is held moves with the
+parameters of its motion.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import Final
 
 import numpy as np
 
 from ..arrays import BoolArray, FloatArray, IntArray
 from ..kinematics.motion import Since, held_dofs, held_span
+from ..kinematics.turning import Holonomy
 from ..model.configuration import Configuration
 from ..model.model import Model
 from ..model.state import State
@@ -26,6 +32,9 @@ from .integrators import Integrator, at_state
 from .neighbours import Here, Neighbours, ParameterSlope, Variation
 from .slopes import Balance, Slope, Slopes
 from .tape import SolvedStage, TapedStep
+
+
+NOWHERE: Final[IntArray] = np.empty(0, dtype=np.int64)
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,6 +63,7 @@ class Differentiated:
         model: The semi-discrete system.
         integrator: Of its run.
         parameters: A slope for each parameter.
+        edges: Edges whose frames are carried.
     """
 
     def __init__(self, model: Model, integrator: Integrator, parameters: Sequence[Neighbours]) -> None:
@@ -69,6 +79,9 @@ class Differentiated:
             for k, near in enumerate(parameters)
         )
         self.edges = model.frames.turning
+        self._shares = np.stack([one.shares for one in self.parameters], axis=1)
+        self._mass = np.stack([one.mass for one in self.parameters], axis=1)
+        self._inert = all(one.inert for one in self.parameters)
         self._moves = bool(model.mass.any())
         self._held: dict[float, Held] = {}
 
@@ -101,19 +114,38 @@ class Differentiated:
         frames = self.model.frames.transport(solved.stored, position)
         return Configuration(stage.t_stage, position, stage.velocity(q), frames, stage.inputs)
 
-    def slopes(self, solved: SolvedStage) -> tuple[Configuration, Slopes]:
-        """Trial point at the solution of a stage, and slopes of its balance."""
+    def slopes(self, solved: SolvedStage) -> tuple[Configuration, Slopes, tuple[Holonomy, ...]]:
+        """Trial point at the solution of a stage, slopes of its balance, and how frames turned up to there."""
         c = self.trial(solved)
-        return c, self._slope.at(c, solved.before)
+        holonomies = self.holonomies(solved, c.q)
+        return c, self._slope.at(c, holonomies), holonomies
 
     def slopes_at(self, state: State) -> tuple[Configuration, Slopes]:
         """The same of the balance at a state itself, whose frames are stored there."""
-        return self.slopes(SolvedStage(at_state(state), state.q, state.frames, state.q, state.t))
+        c, slopes, _ = self.slopes(SolvedStage(at_state(state), state.q, state.frames, state.q, state.t))
+        return c, slopes
 
-    def by_parameters(self, c: Configuration, a: FloatArray) -> FloatArray:
+    def holonomies(self, solved: SolvedStage, q: FloatArray) -> tuple[Holonomy, ...]:
+        """How frames turn from the start of a stage to a shape (n,)."""
+        return tuple(edges.holonomy(solved.before, q) for edges in self.edges)
+
+    def at_end(
+        self, solved: SolvedStage, holonomies: tuple[Holonomy, ...]
+    ) -> tuple[Holonomy, ...]:
+        """How they turn to the end of a stage, of those up to its trial point, which may be the same."""
+        w, known = solved.stage.weights, holonomies
+        return known if w.q == 1.0 and not solved.stage.q0.any() else self.holonomies(solved, solved.q)
+
+    def by_parameters(self, c: Configuration, slopes: Slopes, a: FloatArray) -> FloatArray:
         """D(M a + r)/dp at a fixed state, shape (n, P)."""
+        found: FloatArray = slopes.residuals.T @ self._shares
+        if not self._inert:
+            found += self._mass * a[:, None]
         here = Here(c, self._slope.terms)
-        return np.stack([one.of_balance(here, a) for one in self.parameters], axis=1)
+        for k, one in enumerate(self.parameters):
+            if (more := one.of_others(here)) is not None:
+                found[:, k] += more
+        return found
 
     def start(self, start: State) -> Variation:
         """Derivative of where the run starts."""
@@ -123,13 +155,16 @@ class Differentiated:
         return Variation(q, v, a, turns, np.zeros_like(q))
 
 
-def forward(model: Differentiated, start: State, steps: Sequence[TapedStep]) -> Iterator[Variation]:
+def forward(
+    model: Differentiated, start: State, steps: Sequence[TapedStep], wanted: IntArray = NOWHERE
+) -> Iterator[Variation]:
     """Derivatives of the start and of the state after each step.
 
     Args:
         model: With its slopes.
         start: Where the run starts.
         steps: What it did.
+        wanted: DOFs of which the derivative of the residual is asked for, shape (K,).
 
     Raises:
         FactorizationError: A balance is singular: there is no derivative.
@@ -137,20 +172,20 @@ def forward(model: Differentiated, start: State, steps: Sequence[TapedStep]) -> 
     d = model.start(start)
     yield d
     for step in steps:
-        d = _after(model, step, d)
+        d = _after(model, step, d, wanted)
         yield d
 
 
-def _after(model: Differentiated, step: TapedStep, d: Variation) -> Variation:
+def _after(model: Differentiated, step: TapedStep, d: Variation, wanted: IntArray) -> Variation:
     """Derivative after a step from that before."""
     if model.jumps(step.start):
         d = replace(d, a=_balanced(model, step.start, d))
     start = latest = d
     for index, solved in enumerate(step.stages(model.integrator)):
-        latest, acceleration = _through(model, step, index, solved, start, latest)
+        latest, acceleration = _through(model, step, index, solved, start, latest, wanted)
     # as what holds a mass moves it, along its path and not as the integrator would have it
     held, mass = model.held(step.start.t).dofs, model.model.mass
-    if held.size and mass[held].any():
+    if wanted.size and held.size and mass[held].any():
         change = (latest.v - start.v) / step.dt - acceleration
         latest.residual[held] += mass[held, None] * change[held]
     return latest
@@ -159,11 +194,14 @@ def _after(model: Differentiated, step: TapedStep, d: Variation) -> Variation:
 def _balanced(model: Differentiated, state: State, d: Variation) -> FloatArray:
     """Derivative of -M^-1 r, shape (n, P)."""
     c, slopes = model.slopes_at(state)
-    rate = model.by_parameters(c, state.a)
-    rate += slopes.times(d.q, d.v, np.zeros_like(d.q))
-    if model.edges:
-        rate += slopes.turned(d.turns)
-    free, mass = model.held(state.t).balance.free, model.model.mass
+    balance, dq = model.held(state.t).balance, d.q.copy()
+    for edges, turns in zip(model.edges, d.turns, strict=True):
+        dq[edges.angles] += turns
+    rate = model.by_parameters(c, slopes, state.a)
+    rate += balance.stiff(slopes, dq)
+    if slopes.damped:
+        rate += slopes.by_velocity(d.v)
+    free, mass = balance.free, model.model.mass
     movable = free[mass[free] > 0.0]
     a = np.zeros_like(d.q)
     a[movable] = -rate[movable] / mass[movable, None]
@@ -177,44 +215,56 @@ def _through(
     solved: SolvedStage,
     start: Variation,
     latest: Variation,
+    wanted: IntArray,
 ) -> tuple[Variation, FloatArray]:
     """Derivative after a stage, and that of the acceleration that it balances, shape (n, P)."""
     stage, held = solved.stage, model.held(step.start.t)
     maps = model.integrator.stage(index, _as_state(step.start, start), _as_state(step.start, latest), step.dt)
-    w = stage.weights
-    c, slopes = model.slopes(solved)
-    dq = np.zeros_like(start.q)
-    since = Since(solved.since, solved.before, solved.stored)
-    for k, one in enumerate(model.parameters):
-        dq[held.dofs, k] = one.of_holds(
-            held.dofs, stage.t_end, since, latest.q[:, k], [turn[:, k] for turn in latest.turns]
-        )
-    by_all = model.by_parameters(c, stage.acceleration(solved.q))
-    if model.edges:
-        turns = tuple(
-            turn + np.einsum("ie,iep->ep", edges.holonomy(solved.before, c.q)[0], edges.along(latest.q))
-            for edges, turn in zip(model.edges, latest.turns, strict=True)
-        )
-        by_all += slopes.turned(turns)
-    known = by_all + slopes.times(w.q * dq + maps.q0, w.v * dq + maps.v0, w.a * dq + maps.a0)
+    w, mass = stage.weights, model.model.mass[:, None]
+    c, slopes, holonomies = model.slopes(solved)
     factors, free = held.balance.factorize(slopes, w), held.balance.free
-    for k in range(dq.shape[1]):
-        dq[free, k] = factors.solve(-known[free, k])
-    residual = by_all + slopes.times(w.q * dq + maps.q0, w.v * dq + maps.v0, w.a * dq + maps.a0)
+    along = [edges.along(latest.q) for edges in model.edges]
+    # y: frames that have turned act as their angles do
+    y = maps.q0.copy()
+    for edges, turns, way, one in zip(model.edges, latest.turns, along, holonomies, strict=True):
+        y[edges.angles] += turns + _weighed(one.before, way)
+    y /= -w.q
+    b = model.by_parameters(c, slopes, stage.acceleration(solved.q))
+    b += mass * (maps.a0 + w.a * y)
+    if slopes.damped:
+        b += slopes.by_velocity(maps.v0 + w.v * y)
+    x = np.zeros_like(y)
+    if held.dofs.size:
+        since = Since(solved.since, solved.before, solved.stored)
+        for k, one in enumerate(model.parameters):
+            turned = [turn[:, k] for turn in latest.turns]
+            x[held.dofs, k] = one.of_holds(held.dofs, stage.t_end, since, latest.q[:, k], turned)
+        x[held.dofs] -= y[held.dofs]
+        if x.any():
+            b += held.balance.times(x)
+    x[free] = -factors.solve(b[free])
+    dq = x + y
     v, a = maps.finish(dq)
     led = held.led
     v[led] = (dq[led] - latest.q[led]) / (stage.t_end - solved.since)
     a[led] = 0.0
+    ends = model.at_end(solved, holonomies)
     turns = tuple(
-        turn
-        + np.einsum("ie,iep->ep", before, edges.along(latest.q))
-        + np.einsum("ie,iep->ep", after, edges.along(dq))
-        for edges, turn, (before, after) in (
-            (edges, turn, edges.holonomy(solved.before, solved.q))
-            for edges, turn in zip(model.edges, latest.turns, strict=True)
-        )
+        turn + _weighed(one.before, way) + _weighed(one.after, edges.along(dq))
+        for edges, turn, way, one in zip(model.edges, latest.turns, along, ends, strict=True)
     )
+    residual = np.zeros_like(dq)
+    if wanted.size:
+        # what was known already of held DOFs is in b
+        x[held.dofs] = 0.0
+        residual[wanted] = (b + held.balance.times(x))[wanted]
     return Variation(dq, v, a, turns, residual), w.a * dq + maps.a0
+
+
+def _weighed(slopes: FloatArray, way: FloatArray) -> FloatArray:
+    """Changes of edges (3, E, P) times slopes to them (3, E), shape (E, P)."""
+    x, y, z = slopes[:, :, None]
+    return np.asarray(x * way[0] + y * way[1] + z * way[2])
 
 
 def _as_state(state: State, d: Variation) -> State:

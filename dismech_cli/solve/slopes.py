@@ -1,17 +1,7 @@
 """Slopes of the balance of a stage at its solution, to positions and velocities of all DOFs.
 
 Newton's method is content with a tangent that leads to the balance; a derivative of the run needs the true
-slope. They differ where frames of rods are carried: kernels give the second variation as if the frames were
-stored at the trial point. Two parts are missing, both of first order in the motion of a step:
-
-* holonomy: transport from the stored tangent turns the frame as the tangent varies
-  (``kinematics/turning.py``), and each turn of it acts as its angle does, K_theta d(sigma);
-* of two variations of a tangent t the frame knows the order: where an edge carries the moment m about
-  itself, the forces on head and tail vary by +- (m / 2 L) t x dt more than the symmetric tangent says;
-  and a viscous stress meets a rate that varies as if the angle turned by dv.(t x dt) / 2 L more, with the
-  velocity dv of the head less that of the tail.
-
-Kernels that transport frames themselves, as those of free mid-edge normals do, have both.
+slope, held DOFs included. What kernels leave out of it where frames are carried is in ``carried.py``.
 """
 
 from __future__ import annotations
@@ -24,10 +14,11 @@ from scipy.sparse import csr_matrix
 
 from ..arrays import BoolArray, FloatArray, IntArray
 from ..kernels.linearization import Linearization, RankOne, all_symmetric
-from ..kinematics.turning import TurningEdges
+from ..kinematics.turning import Holonomy
 from ..model.configuration import Configuration
 from ..model.model import Model
 from ..model.term import BoundTerm
+from .carried import Carried
 from .integrators import Weights
 from .linear.choice import LINEAR_SOLVERS, choose_solver
 from .linear.factors import Factors
@@ -35,64 +26,76 @@ from .linear.updated import UpdatedFactors
 from .pattern import SparsityPattern
 
 
-@dataclass(frozen=True, slots=True)
-class Slopes:
-    """Slopes of r(q, v) at a trial point, all DOFs by all DOFs.
+class Entries:
+    """A matrix of all DOFs whose entries change and whose places do not, made once: SciPy is slow to make one."""
 
-    Attributes:
-        stiffness: dr/dq, in the order of the pattern, shape (n, n).
-        damping: dr/dv likewise.
-        mass: Diagonal of the mass matrix, shape (n,).
-        rank_ones: Slopes outside the pattern.
-        by_turn: dr/dsigma of each of the turning edges, rows in the order of the pattern, shape (n, E).
-        order: Global DOF of each row and column, shape (n,).
-    """
+    def __init__(self, pattern: SparsityPattern) -> None:
+        self._order, self._symmetric = pattern.free, pattern.symmetric
+        self.values = np.zeros(pattern.slots)
+        self._matrix = pattern.csr(self.values)
+        self._transposed = self._matrix.T
+        self._diagonal = pattern.diagonal
 
-    stiffness: csr_matrix
-    damping: csr_matrix
-    mass: FloatArray
-    rank_ones: tuple[RankOne, ...]
-    by_turn: tuple[csr_matrix, ...]
-    order: IntArray
+    def times(self, x: FloatArray) -> FloatArray:
+        """The product with x, shape (n,) or (n, P)."""
+        return self._product(self._matrix, self._transposed, x)
 
-    def times(self, dq: FloatArray, dv: FloatArray, da: FloatArray) -> FloatArray:
-        """K dq + C dv + M da, shape (n, P) as all of these."""
-        out = np.empty_like(dq)
-        out[self.order] = self.stiffness @ dq[self.order] + self.damping @ dv[self.order]
-        for one in self.rank_ones:
-            out += np.multiply.outer(one.column, one.by_q @ dq + one.by_v @ dv)
-        out += self.mass[:, None] * da
+    def transposed(self, x: FloatArray) -> FloatArray:
+        """The product of the transpose."""
+        return self._product(self._transposed, self._matrix, x)
+
+    def _product(self, matrix: csr_matrix, mirror: csr_matrix, x: FloatArray) -> FloatArray:
+        ordered, out = x[self._order], np.empty_like(x)
+        y: FloatArray = matrix @ ordered
+        if self._symmetric:
+            y += mirror @ ordered
+            y -= (self.values[self._diagonal] * ordered.T).T
+        out[self._order] = y
         return out
 
-    def transposed(self, mu: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """K^T mu, C^T mu and M mu, each of shape (n,)."""
-        q, v, ordered = np.empty_like(mu), np.empty_like(mu), mu[self.order]
-        q[self.order] = self.stiffness.T @ ordered
-        v[self.order] = self.damping.T @ ordered
+
+@dataclass(frozen=True, slots=True)
+class Slopes:
+    """Slopes of r(q, v) at a trial point, all DOFs by all DOFs; good until the next are found.
+
+    Attributes:
+        residuals: Residual of each term, shape (T, n).
+        stiffness: Entries of dr/dq, shape (slots,).
+        damping: dr/dv; None where nothing depends on velocities.
+        rank_ones: Slopes outside the pattern.
+    """
+
+    residuals: FloatArray
+    stiffness: FloatArray
+    damping: Entries | None
+    rank_ones: tuple[RankOne, ...]
+
+    @property
+    def damped(self) -> bool:
+        """Whether anything depends on velocities."""
+        return self.damping is not None or bool(self.rank_ones)
+
+    def by_velocity(self, x: FloatArray) -> FloatArray:
+        """C x, shape (n, P)."""
+        out = np.zeros_like(x) if self.damping is None else self.damping.times(x)
         for one in self.rank_ones:
-            size = float(one.column @ mu)
-            q += size * one.by_q
-            v += size * one.by_v
-        return q, v, self.mass * mu
+            out += np.multiply.outer(one.column, one.by_v @ x)
+        return out
 
-    def turned(self, turns: Sequence[FloatArray]) -> FloatArray:
-        """Change of the residual as frames turn, shape (n, P) for turns of shape (E, P)."""
-        rows = sum(slope @ turn for slope, turn in zip(self.by_turn, turns, strict=True))
-        out = np.empty_like(rows)
-        out[self.order] = rows
-        return np.asarray(out)
-
-    def turned_transposed(self, mu: FloatArray) -> tuple[FloatArray, ...]:
-        """The same transposed, each of shape (E,)."""
-        return tuple(slope.T @ mu[self.order] for slope in self.by_turn)
+    def by_velocity_transposed(self, mu: FloatArray) -> FloatArray:
+        """C^T mu, shape (n,)."""
+        out = np.zeros_like(mu) if self.damping is None else self.damping.transposed(mu)
+        for one in self.rank_ones:
+            out += float(one.column @ mu) * one.by_v
+        return out
 
 
 class Slope:
-    """Finds slopes of one model, bound once to a pattern of all its DOFs with both triangles.
+    """Finds slopes of one model, bound once to a pattern of all its DOFs.
 
     Attributes:
         model: The semi-discrete system.
-        pattern: The pattern.
+        pattern: The pattern, of one triangle where all slopes are symmetric.
         terms: Its terms, bound.
     """
 
@@ -103,72 +106,65 @@ class Slope:
             model: The semi-discrete system, without terms whose stencils come and go.
         """
         self.model = model
-        everything = np.ones(model.dofs.n, dtype=np.bool_)
-        pattern = _pattern(model, everything)
-        self.pattern = pattern
-        self._lower, self._upper = pattern.mirror()
-        self._energies: list[BoundTerm] = []
-        self._symmetric: list[BoundTerm] = []
-        self._rates: list[BoundTerm] = []
-        self._general: list[BoundTerm] = []
+        self.pattern = pattern = _pattern(model, np.ones(model.dofs.n, dtype=np.bool_))
+        if not pattern.symmetric:
+            self._lower, self._upper = pattern.mirror()
         self.terms = tuple(term.bind(pattern, model.driver) for term in model.terms)
-        for term, bound in zip(model.terms, self.terms, strict=True):
-            if term.velocity_dependent:
-                self._rates.append(bound)
-            elif not all_symmetric(term.couplings):
-                self._general.append(bound)
-            elif bound.potential is None:
-                self._symmetric.append(bound)
-            else:
-                self._energies.append(bound)
-        self._into = Linearization.of(model.dofs.n, pattern.slots)
-        self._groups = model.frames.turning
-        self._corrections = [_Corrections(pattern, one) for one in self._groups if not one.varied]
+        self._damping = Entries(pattern)
+        self._stiffness, n = np.zeros(pattern.slots), model.dofs.n
+        self._residuals = np.zeros((len(self.terms), n))
+        self._rank_ones: list[RankOne] = []
+        buffers = [
+            Linearization(row, self._stiffness, self._damping.values, self._rank_ones)
+            for row in self._residuals
+        ]
+        one_sided = [all_symmetric(term.couplings) for term in model.terms]
+        each = list(zip(self.terms, buffers, one_sided, strict=True))
+        self._one_sided = [(term, into) for term, into, one in each if one]
+        self._two_sided = [(term, into) for term, into, one in each if not one]
+        turning = [
+            k
+            for k, (bound, one) in enumerate(zip(self.terms, one_sided, strict=True))
+            if model.terms[k].velocity_dependent or (one and bound.potential is not None)
+        ]
+        self._carried = [
+            (k, Carried(pattern, one, np.array(turning, dtype=np.int64)))
+            for k, one in enumerate(model.frames.turning)
+            if not one.varied
+        ]
 
-    def at(self, c: Configuration, before: FloatArray) -> Slopes:
+    def at(self, c: Configuration, holonomies: Sequence[Holonomy]) -> Slopes:
         """Slopes at a trial point.
 
         Args:
             c: The trial point.
-            before: Shape that its frames were transported from, shape (n,).
+            holonomies: Of the frames of each kind of edges, on the way to it.
         """
-        into = self._into
-        into.residual[:] = into.stiffness[:] = into.damping[:] = 0.0
-        into.rank_ones.clear()
-        for term in self._energies:
+        stiffness, damping = self._stiffness, self._damping.values
+        self._residuals[:] = stiffness[:] = damping[:] = 0.0
+        self._rank_ones.clear()
+        for term, into in self._one_sided:
             term.add_linearization(c, into)
-        moments = self._moments()
-        for term in self._symmetric:
+        damped = bool(damping.any())
+        if not self.pattern.symmetric:
+            stiffness[self._lower] = stiffness[self._upper]
+            if damped:
+                damping[self._lower] = damping[self._upper]
+        for term, into in self._two_sided:
             term.add_linearization(c, into)
-        for values in (into.stiffness, into.damping):
-            values[self._lower] = values[self._upper]
-        elastic = self._moments()
-        for term in self._rates:
-            term.add_linearization(c, into)
-        moments = [m + total - e for m, total, e in zip(moments, self._moments(), elastic, strict=True)]
-        for term in self._general:
-            term.add_linearization(c, into)
-        stiffness = into.stiffness.copy()
-        for correction, moment in zip(self._corrections, moments, strict=True):
-            correction.add(stiffness, into, moment, before, c)
-        plain = self.pattern.csr(into.stiffness)
-        columns = tuple(plain[:, self.pattern.order[one.angles]] for one in self._groups)
-        return Slopes(
-            self.pattern.csr(stiffness),
-            self.pattern.csr(into.damping.copy()),
-            self.model.mass,
-            tuple(into.rank_ones),
-            columns,
-            self.pattern.free,
-        )
-
-    def _moments(self) -> list[FloatArray]:
-        """Moments that edges carry about themselves, of all terms added so far [N m]."""
-        return [self._into.residual[one.edges.angles] for one in self._corrections]
+        damped = damped or bool(damping.any())
+        rates = damping if damped else None
+        for k, carried in self._carried:
+            carried.add(stiffness, rates, self._residuals, holonomies[k], c)
+        return Slopes(self._residuals, stiffness, self._damping if damped else None, tuple(self._rank_ones))
 
 
 class Balance:
-    """Solves the linearised balance of the free DOFs of a stage."""
+    """Solves the linearised balance of the free DOFs of a stage, J = a M + v C + q K.
+
+    Attributes:
+        free: The free DOFs in matrix order, shape (m,).
+    """
 
     def __init__(self, slope: Slope, free: BoolArray) -> None:
         """Choose a linear solver.
@@ -178,81 +174,66 @@ class Balance:
             free: Mask of the free DOFs, shape (n,).
         """
         whole = slope.pattern
-        rows, columns = whole.free[whole.rows], whole.free[whole.indices]
-        self._pattern = _pattern(slope.model, free)
-        self.free = self._pattern.free
-        self._slots = self._pattern.slots_of(rows, columns)
-        self._mass = np.zeros(self._pattern.slots)
-        self._mass[self._pattern.diagonal] = slope.model.mass[self.free]
-        self._solver = LINEAR_SOLVERS[choose_solver(self._pattern)](self._pattern)
+        pattern = whole if free.all() else _pattern(slope.model, free)
+        self.free = pattern.free
+        self._total = Entries(whole)
+        self._diagonal, self._mass = whole.diagonal, slope.model.mass[whole.free]
+        # the place in the whole of each entry between free DOFs
+        rows, columns = pattern.free[pattern.rows], pattern.free[pattern.indices]
+        find = whole.symmetric_slots if whole.symmetric else whole.slots_of
+        self._places = np.append(find(rows, columns), whole.nnz)
+        self._solver = LINEAR_SOLVERS[choose_solver(pattern)](pattern)
 
     def factorize(self, slopes: Slopes, w: Weights) -> Factors:
-        """Factors of a M + v C + q K on the free DOFs.
+        """Factors of J on the free DOFs.
 
         Raises:
             FactorizationError: The matrix is singular: the state has no derivative.
         """
-        values = w.a * self._mass
-        values[self._slots] += w.q * slopes.stiffness.data + w.v * slopes.damping.data
-        factors = self._solver.factorize(values)
-        if not slopes.rank_ones:
+        self._add_up(slopes, w)
+        factors = self._solver.factorize(self._total.values[self._places])
+        if not self._rank_ones:
             return factors
-        columns = np.stack([one.column for one in slopes.rank_ones], axis=1)
-        rows = np.stack([w.q * one.by_q + w.v * one.by_v for one in slopes.rank_ones], axis=1)
+        columns, rows = (np.stack(vectors, axis=1) for vectors in zip(*self._rank_ones, strict=True))
         return UpdatedFactors(factors, columns[self.free], rows[self.free])
+
+    def _add_up(self, slopes: Slopes, w: Weights) -> None:
+        values = self._total.values
+        np.multiply(slopes.stiffness, w.q, out=values)
+        if slopes.damping is not None:
+            values += w.v * slopes.damping.values
+        values[self._diagonal] += w.a * self._mass
+        self._rank_ones = [(one.column, w.q * one.by_q + w.v * one.by_v) for one in slopes.rank_ones]
+
+    def stiff(self, slopes: Slopes, x: FloatArray) -> FloatArray:
+        """K x of all DOFs, shape (n, P)."""
+        self._add_up(slopes, Weights(1.0, 0.0, 0.0))
+        return self.times(x)
+
+    def stiff_transposed(self, slopes: Slopes, mu: FloatArray) -> FloatArray:
+        """K^T mu of all DOFs, shape (n,)."""
+        self._add_up(slopes, Weights(1.0, 0.0, 0.0))
+        return self.transposed(mu)
+
+    def times(self, x: FloatArray) -> FloatArray:
+        """J x of all DOFs, as last factorised, shape (n, P)."""
+        out = self._total.times(x)
+        for column, row in self._rank_ones:
+            out += np.multiply.outer(column, row @ x)
+        return out
+
+    def transposed(self, mu: FloatArray) -> FloatArray:
+        """J^T mu of all DOFs, shape (n,)."""
+        out = self._total.transposed(mu)
+        for column, row in self._rank_ones:
+            out += float(column @ mu) * row
+        return out
 
 
 def _pattern(model: Model, free: BoolArray) -> SparsityPattern:
-    """Both triangles over some DOFs, given as a mask (n,)."""
+    """The pattern over some DOFs, given as a mask (n,); of one triangle if no slope needs both."""
     couplings = [coupling for term in model.terms for coupling in term.couplings]
-    return SparsityPattern.build(model.dofs, free, couplings, symmetric=False)
-
-
-class _Corrections:
-    """What the tangents of kernels leave out at the edges of rods; see the module."""
-
-    def __init__(self, pattern: SparsityPattern, edges: TurningEdges) -> None:
-        self.edges = edges
-        angles = pattern.order[edges.angles]
-        edge_of = np.full(pattern.m, -1)
-        edge_of[angles] = np.arange(len(angles))
-        self._by_angle = np.flatnonzero(edge_of[pattern.indices] >= 0)
-        self._edge = edge_of[pattern.indices[self._by_angle]]
-        rows = pattern.free[pattern.rows[self._by_angle]]
-        ends = np.stack((edges.heads, edges.tails))
-        # every clique that holds an angle holds both nodes of its edge: all these entries are there; slots of
-        # (row, component of an end), shape (2, 3, K); and (component, component), (2, 2, 3, 3, E)
-        self._holonomy = pattern.slots_of(rows[None, None], ends[:, :, self._edge])
-        self._moment = pattern.slots_of(ends[:, None, :, None], ends[None, :, None, :])
-        self._sign = np.array([1.0, -1.0])
-
-    def add(
-        self,
-        stiffness: FloatArray,
-        plain: Linearization,
-        moment: FloatArray,
-        before: FloatArray,
-        c: Configuration,
-    ) -> None:
-        """Add all parts to a stiffness (slots,).
-
-        Args:
-            stiffness: What is to be mended.
-            plain: What the kernels say.
-            moment: Moments of the edges about themselves [N m], shape (E,).
-            before: Shape that frames were transported from, shape (n,).
-            c: The trial point.
-        """
-        e, spin = self.edges.along(c.q), self.edges.along(c.v)
-        length = np.sqrt((e * e).sum(axis=0))
-        _, by_edge = self.edges.holonomy(before, c.q)
-        by_rate = 0.5 * np.cross(spin, e, axis=0) / length**3
-        turned = plain.stiffness[self._by_angle] * by_edge[:, self._edge]
-        turned += plain.damping[self._by_angle] * by_rate[:, self._edge]
-        values = self._sign[:, None, None] * turned
-        stiffness += np.bincount(self._holonomy.ravel(), values.ravel(), minlength=len(stiffness))
-        x, y, z = 0.5 * moment / length**3 * e
-        zero = np.zeros_like(x)
-        cross = np.array([[zero, -z, y], [z, zero, -x], [-y, x, zero]])
-        values = (self._sign[:, None] * self._sign)[:, :, None, None, None] * cross
-        stiffness += np.bincount(self._moment.ravel(), values.ravel(), minlength=len(stiffness))
+    carried = any(not one.varied for one in model.frames.turning)
+    return SparsityPattern.build(
+        model.dofs, free, couplings, symmetric=all_symmetric(couplings) and not carried
+    )

@@ -137,7 +137,7 @@ class PardisoFactors:
         return checked(rhs, lambda b: self._solve(b, _TRANSPOSED), lambda x: self._transposed @ x)
 
     def _solve(self, rhs: FloatArray, side: int) -> FloatArray:
-        b = np.ascontiguousarray(rhs)
+        b = np.asfortranarray(rhs)
         x = np.empty_like(b)
         self._iparm[11] = side
         if self._call(_SOLVE, b, x) != 0:
@@ -193,9 +193,10 @@ def _pardiso(
 
     error = ctypes.c_int32(0)
     one, nothing = integer(1), np.zeros(1, dtype=np.int32)
+    sides = integer(b.shape[1]) if b is not None and b.ndim == 2 else one
     _entry_point()(
         *(address(memory), one, one, integer(kind), integer(phase), integer(m)),
-        *(address(values), address(rows), address(columns), address(nothing), one),
+        *(address(values), address(rows), address(columns), address(nothing), sides),
         *(address(iparm), integer(0), address(b), address(x), ctypes.byref(error)),
     )
     return error.value

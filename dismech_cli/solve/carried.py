@@ -1,0 +1,87 @@
+"""What tangents of kernels leave out at the edges of rods, whose frames are carried from step to step.
+
+Kernels give the second variation as if the frames were stored at the trial point. Two parts are missing,
+both of first order in the motion of a step:
+
+* holonomy: transport from the stored tangent turns the frame as the tangent varies
+  (``kinematics/turning.py``), and each turn of it acts as its angle does, K_theta d(sigma);
+* of two variations of a tangent t the frame knows the order: where an edge carries the moment m about
+  itself, the forces on head and tail vary by +- (m / 2 L) t x dt more than the symmetric tangent says;
+  and a viscous stress meets a rate that varies as if the angle turned by dv.(t x dt) / 2 L more, with the
+  velocity dv of the head less that of the tail.
+
+Kernels that transport frames themselves, as those of free mid-edge normals do, have both.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..arrays import FloatArray, IntArray
+from ..kinematics.turning import Holonomy, TurningEdges, crossed
+from ..model.configuration import Configuration
+from .pattern import SparsityPattern
+
+_SIGN = np.array([1.0, -1.0])
+
+
+class Carried:
+    """The parts that are missing at edges of one kind."""
+
+    def __init__(self, pattern: SparsityPattern, edges: TurningEdges, turning: IntArray) -> None:
+        """Find their places.
+
+        Args:
+            pattern: Of all DOFs, with both triangles.
+            edges: The edges.
+            turning: Numbers of the terms whose moments about edges count, shape (K,).
+        """
+        self._edges, self._turning = edges, turning
+        angles = pattern.order[edges.angles]
+        edge_of = np.full(pattern.m, -1)
+        edge_of[angles] = np.arange(len(angles))
+        self._by_angle = np.flatnonzero(edge_of[pattern.indices] >= 0)
+        self._edge = edge_of[pattern.indices[self._by_angle]]
+        rows = pattern.free[pattern.rows[self._by_angle]]
+        ends = np.stack((edges.heads, edges.tails))
+        # every clique that holds an angle holds both nodes of its edge: all these entries are there; slots of
+        # (row, component of an end), shape (2, 3, K); and (component, component), (2, 2, 3, 3, E)
+        holonomy = pattern.slots_of(rows[None, None], ends[:, :, self._edge])
+        moment = pattern.slots_of(ends[:, None, :, None], ends[None, :, None, :])
+        # the same entry gets a share of each edge that its row has an angle of: summed slot by slot
+        self._slots, places = np.unique(np.concatenate((holonomy.ravel(), moment.ravel())), return_inverse=True)
+        self._places = places
+
+    def add(
+        self,
+        stiffness: FloatArray,
+        damping: FloatArray | None,
+        residuals: FloatArray,
+        holonomy: Holonomy,
+        c: Configuration,
+    ) -> None:
+        """Add all parts to a stiffness (slots,).
+
+        Args:
+            stiffness: What kernels say, to be mended.
+            damping: What they say of velocities, shape (slots,); None for nothing.
+            residuals: Residual of each term, shape (T, n).
+            holonomy: Of the frames, on the way to the trial point.
+            c: The trial point.
+        """
+        turned = stiffness[self._by_angle] * holonomy.after[:, self._edge]
+        half = 0.5 / holonomy.length**3
+        if damping is not None:
+            by_rate = half * crossed(self._edges.along(c.v), holonomy.edge)
+            turned += damping[self._by_angle] * by_rate[:, self._edge]
+        moment = residuals[self._turning[:, None], self._edges.angles].sum(axis=0)
+        x, y, z = half * moment * holonomy.edge
+        zero = np.zeros_like(x)
+        cross = np.array([[zero, -z, y], [z, zero, -x], [-y, x, zero]])
+        values = np.concatenate(
+            (
+                (_SIGN[:, None, None] * turned).ravel(),
+                ((_SIGN[:, None] * _SIGN)[:, :, None, None, None] * cross).ravel(),
+            )
+        )
+        stiffness[self._slots] += np.bincount(self._places, values, minlength=len(self._slots))
