@@ -26,6 +26,7 @@ SECTIONS = (
     "integrators",
     "defaults",
     "other_code",
+    "gradients",
     "start_up",
     "memory",
 )

@@ -7,8 +7,10 @@ and to each parameter: one solve per stage, however many parameters there are.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cache, partial
+from typing import TypeAlias
 
 import numpy as np
 
@@ -65,14 +67,18 @@ class Coefficients:
     a_end: FloatArray
 
     @classmethod
-    def of(cls, integrator: Integrator, index: int, start: State, dt: float) -> Coefficients:
-        """Ask the integrator, with a unit in the place of each."""
+    def of(cls, integrator: Integrator, start: State, index: int, dt: float) -> Coefficients:
+        """Ask the integrator, with a unit in the place of each; the state may be any."""
         units = np.eye(6)
         one = replace(start, q=units[0], v=units[1], a=units[2])
         latest = one if index == 0 else replace(start, q=units[3], v=units[4], a=units[5])
         maps = integrator.stage(index, one, latest, dt)
         found = (maps.q0, maps.v0, maps.a0, maps.v_end[1], maps.a_end[1])
         return cls(*(slopes.reshape(2, 3) for slopes in found))
+
+
+Maps: TypeAlias = "Callable[[int, float], Coefficients]"
+"""Those of a stage, by its number and the length of the step."""
 
 
 def adjoint(model: Differentiated, start: State, steps: Sequence[TapedStep], end: Owed) -> FloatArray:
@@ -88,8 +94,9 @@ def adjoint(model: Differentiated, start: State, steps: Sequence[TapedStep], end
         FactorizationError: A balance is singular: there is no derivative.
     """
     gradient, owed = np.zeros(len(model.parameters)), end
+    coefficients = cache(partial(Coefficients.of, model.integrator, start))
     for step in reversed(steps):
-        owed = _before(model, step, owed, gradient)
+        owed = _before(model, coefficients, step, owed, gradient)
     for k, one in enumerate(model.parameters):
         q, v, a, turns = one.of_start(start)
         gradient[k] += q @ owed.q + v @ owed.v + a @ owed.a
@@ -97,12 +104,15 @@ def adjoint(model: Differentiated, start: State, steps: Sequence[TapedStep], end
     return gradient
 
 
-def _before(model: Differentiated, step: TapedStep, owed: Owed, gradient: FloatArray) -> Owed:
+def _before(
+    model: Differentiated, coefficients: Maps, step: TapedStep, owed: Owed, gradient: FloatArray
+) -> Owed:
     """What is owed to the state before a step; adds what is owed to parameters in it."""
     n = len(owed.q)
     to_start = Owed(np.zeros(n), np.zeros(n), np.zeros(n), tuple(map(np.zeros_like, owed.turns)))
     for index, solved in reversed(tuple(enumerate(step.stages(model.integrator)))):
-        owed = _through(model, step, index, solved, owed, to_start, gradient)
+        maps = coefficients(index, step.dt)
+        owed = _through(model, maps, step, solved, owed, to_start, gradient)
     to_start.add(owed)
     if model.jumps(step.start):
         _balanced(model, step.start, to_start, gradient)
@@ -111,8 +121,8 @@ def _before(model: Differentiated, step: TapedStep, owed: Owed, gradient: FloatA
 
 def _through(
     model: Differentiated,
+    maps: Coefficients,
     step: TapedStep,
-    index: int,
     solved: SolvedStage,
     owed: Owed,
     to_start: Owed,
@@ -161,7 +171,6 @@ def _through(
         np.zeros_like(before),
         tuple(x - y for x, y in zip(owed.turns, by_turn, strict=True)),
     )
-    maps = Coefficients.of(model.integrator, index, step.start, step.dt)
     parts = (
         (maps.q0, -by_q),
         (maps.v0, -by_v),

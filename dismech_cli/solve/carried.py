@@ -16,6 +16,7 @@ Kernels that transport frames themselves, as those of free mid-edge normals do, 
 from __future__ import annotations
 
 import numpy as np
+from scipy.sparse import csr_matrix
 
 from ..arrays import FloatArray, IntArray
 from ..kinematics.turning import Holonomy, TurningEdges, crossed
@@ -48,9 +49,20 @@ class Carried:
         # (row, component of an end), shape (2, 3, K); and (component, component), (2, 2, 3, 3, E)
         holonomy = pattern.slots_of(rows[None, None], ends[:, :, self._edge])
         moment = pattern.slots_of(ends[:, None, :, None], ends[None, :, None, :])
-        # the same entry gets a share of each edge that its row has an angle of: summed slot by slot
-        self._slots, places = np.unique(np.concatenate((holonomy.ravel(), moment.ravel())), return_inverse=True)
-        self._places = places
+        # what each slot gets: of the turned entries (3, K), and of half the moments along the edges (3, E)
+        many = len(self._by_angle)
+        into = [holonomy.ravel()]
+        source = [np.tile(np.arange(3 * many), 2)]
+        signs = [np.repeat(_SIGN, 3 * many)]
+        for a, b in ((0, 1), (1, 2), (2, 0)):
+            (c,) = {0, 1, 2} - {a, b}
+            for row, column, sign in ((a, b, -1.0), (b, a, 1.0)):
+                into.append(moment[:, :, row, column].ravel())
+                source.append(np.tile(3 * many + c * len(angles) + np.arange(len(angles)), 4))
+                signs.append(np.repeat(sign * np.multiply.outer(_SIGN, _SIGN).ravel(), len(angles)))
+        self._slots, places = np.unique(np.concatenate(into), return_inverse=True)
+        entries = (np.concatenate(signs), (places, np.concatenate(source)))
+        self._sums = csr_matrix(entries, shape=(len(self._slots), 3 * (many + len(angles))))
 
     def add(
         self,
@@ -69,19 +81,12 @@ class Carried:
             holonomy: Of the frames, on the way to the trial point.
             c: The trial point.
         """
-        turned = stiffness[self._by_angle] * holonomy.after[:, self._edge]
+        turned = holonomy.after.take(self._edge, axis=1)
+        turned *= stiffness.take(self._by_angle)
         half = 0.5 / holonomy.length**3
         if damping is not None:
             by_rate = half * crossed(self._edges.along(c.v), holonomy.edge)
-            turned += damping[self._by_angle] * by_rate[:, self._edge]
+            turned += damping.take(self._by_angle) * by_rate.take(self._edge, axis=1)
         moment = residuals[self._turning[:, None], self._edges.angles].sum(axis=0)
-        x, y, z = half * moment * holonomy.edge
-        zero = np.zeros_like(x)
-        cross = np.array([[zero, -z, y], [z, zero, -x], [-y, x, zero]])
-        values = np.concatenate(
-            (
-                (_SIGN[:, None, None] * turned).ravel(),
-                ((_SIGN[:, None] * _SIGN)[:, :, None, None, None] * cross).ravel(),
-            )
-        )
-        stiffness[self._slots] += np.bincount(self._places, values, minlength=len(self._slots))
+        turns = half * moment * holonomy.edge
+        stiffness[self._slots] += self._sums @ np.concatenate((turned.ravel(), turns.ravel()))

@@ -33,7 +33,6 @@ from .neighbours import Here, Neighbours, ParameterSlope, Variation
 from .slopes import Balance, Slope, Slopes
 from .tape import SolvedStage, TapedStep
 
-
 NOWHERE: Final[IntArray] = np.empty(0, dtype=np.int64)
 
 
@@ -115,7 +114,7 @@ class Differentiated:
         return Configuration(stage.t_stage, position, stage.velocity(q), frames, stage.inputs)
 
     def slopes(self, solved: SolvedStage) -> tuple[Configuration, Slopes, tuple[Holonomy, ...]]:
-        """Trial point at the solution of a stage, slopes of its balance, and how frames turned up to there."""
+        """Trial point at the solution of a stage, slopes of its balance, how frames turned up to there."""
         c = self.trial(solved)
         holonomies = self.holonomies(solved, c.q)
         return c, self._slope.at(c, holonomies), holonomies
@@ -129,9 +128,7 @@ class Differentiated:
         """How frames turn from the start of a stage to a shape (n,)."""
         return tuple(edges.holonomy(solved.before, q) for edges in self.edges)
 
-    def at_end(
-        self, solved: SolvedStage, holonomies: tuple[Holonomy, ...]
-    ) -> tuple[Holonomy, ...]:
+    def at_end(self, solved: SolvedStage, holonomies: tuple[Holonomy, ...]) -> tuple[Holonomy, ...]:
         """How they turn to the end of a stage, of those up to its trial point, which may be the same."""
         w, known = solved.stage.weights, holonomies
         return known if w.q == 1.0 and not solved.stage.q0.any() else self.holonomies(solved, solved.q)
@@ -226,8 +223,8 @@ def _through(
     along = [edges.along(latest.q) for edges in model.edges]
     # y: frames that have turned act as their angles do
     y = maps.q0.copy()
-    for edges, turns, way, one in zip(model.edges, latest.turns, along, holonomies, strict=True):
-        y[edges.angles] += turns + _weighed(one.before, way)
+    for edges, turn, way, up in zip(model.edges, latest.turns, along, holonomies, strict=True):
+        y[edges.angles] += turn + _weighed(up.before, way)
     y /= -w.q
     b = model.by_parameters(c, slopes, stage.acceleration(solved.q))
     b += mass * (maps.a0 + w.a * y)
@@ -250,8 +247,8 @@ def _through(
     a[led] = 0.0
     ends = model.at_end(solved, holonomies)
     turns = tuple(
-        turn + _weighed(one.before, way) + _weighed(one.after, edges.along(dq))
-        for edges, turn, way, one in zip(model.edges, latest.turns, along, ends, strict=True)
+        turn + _weighed(end.before, way) + _weighed(end.after, edges.along(dq))
+        for edges, turn, way, end in zip(model.edges, latest.turns, along, ends, strict=True)
     )
     residual = np.zeros_like(dq)
     if wanted.size:

@@ -10,14 +10,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import csr_matrix
+from scipy.sparse import csc_matrix, csr_matrix
 
-from ..arrays import BoolArray, FloatArray, IntArray
+from ..arrays import BoolArray, FloatArray
 from ..kernels.linearization import Linearization, RankOne, all_symmetric
 from ..kinematics.turning import Holonomy
 from ..model.configuration import Configuration
 from ..model.model import Model
-from ..model.term import BoundTerm
 from .carried import Carried
 from .integrators import Weights
 from .linear.choice import LINEAR_SOLVERS, choose_solver
@@ -27,7 +26,7 @@ from .pattern import SparsityPattern
 
 
 class Entries:
-    """A matrix of all DOFs whose entries change and whose places do not, made once: SciPy is slow to make one."""
+    """A matrix of all DOFs whose entries change in their places; SciPy is slow to make one."""
 
     def __init__(self, pattern: SparsityPattern) -> None:
         self._order, self._symmetric = pattern.free, pattern.symmetric
@@ -44,7 +43,9 @@ class Entries:
         """The product of the transpose."""
         return self._product(self._transposed, self._matrix, x)
 
-    def _product(self, matrix: csr_matrix, mirror: csr_matrix, x: FloatArray) -> FloatArray:
+    def _product(
+        self, matrix: csr_matrix | csc_matrix, mirror: csr_matrix | csc_matrix, x: FloatArray
+    ) -> FloatArray:
         ordered, out = x[self._order], np.empty_like(x)
         y: FloatArray = matrix @ ordered
         if self._symmetric:
@@ -147,7 +148,7 @@ class Slope:
             term.add_linearization(c, into)
         damped = bool(damping.any())
         if not self.pattern.symmetric:
-            stiffness[self._lower] = stiffness[self._upper]
+            stiffness[self._lower] = stiffness.take(self._upper)
             if damped:
                 damping[self._lower] = damping[self._upper]
         for term, into in self._two_sided:
@@ -191,7 +192,7 @@ class Balance:
             FactorizationError: The matrix is singular: the state has no derivative.
         """
         self._add_up(slopes, w)
-        factors = self._solver.factorize(self._total.values[self._places])
+        factors = self._solver.factorize(self._total.values.take(self._places))
         if not self._rank_ones:
             return factors
         columns, rows = (np.stack(vectors, axis=1) for vectors in zip(*self._rank_ones, strict=True))

@@ -41,6 +41,32 @@ def test_solvers_agree(name: str, kind: str, shape: tuple) -> None:
 
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("name", SOLVERS)
+def test_columns_are_solved_together(name: str, kind: str) -> None:
+    """Columns of any size, one of zeros among them, and one so small that a sum would hide it."""
+    pattern, values = system(kind, framed_rod(*helix(12), UNEQUAL))
+    rhs = np.random.default_rng(1).normal(size=(pattern.m, 4)) * [1.0, 1e-9, 0.0, 1e6]
+    factors = LINEAR_SOLVERS[name](pattern).factorize(values)
+    matrix = dense(pattern, values)
+    for solve, expected in (
+        (factors.solve, np.linalg.solve(matrix, rhs)),
+        (factors.solve_transposed, np.linalg.solve(matrix.T, rhs)),
+    ):
+        for found, column in zip(solve(rhs).T, expected.T, strict=True):
+            assert_allclose(found, column, rtol=0, atol=1e-10 * np.abs(column).max())
+
+
+@pytest.mark.parametrize("name", SOLVERS)
+def test_what_is_not_finite_shows_in_any_column(name: str) -> None:
+    pattern, values = system("positive", isotropic_rod(*helix(10), UNEQUAL))
+    factors = LINEAR_SOLVERS[name](pattern).factorize(values)
+    good = np.random.default_rng(1).normal(size=(pattern.m, 3))
+    bad = good * [1.0, np.nan, 1.0]
+    with pytest.raises(FactorizationError):
+        factors.solve(bad)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("name", SOLVERS)
 def test_refactorisation(name: str, kind: str) -> None:
     """One analysis, other values again and again; definite and indefinite in turn; right sides kept."""
     model = isotropic_rod(*helix(14), UNEQUAL)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import ClassVar, Protocol
 
 import numpy as np
 from scipy.sparse import csr_matrix
@@ -29,6 +29,10 @@ Seen = tuple[State, FloatArray]
 class Channel(Protocol):
     """Numbers that are read from a state, one for each column of a table."""
 
+    @property
+    def of_forces(self) -> bool:
+        """Whether any is read from the residual."""
+
     def values(self, seen: Seen) -> FloatArray:
         """The numbers, shape (C,)."""
 
@@ -47,6 +51,7 @@ class Points:
 
     weights: csr_matrix
     moved: tuple[csr_matrix, ...]
+    of_forces: ClassVar[bool] = False
 
     def values(self, seen: Seen) -> FloatArray:
         """The coordinates [m]."""
@@ -69,6 +74,11 @@ class Probed:
     """
 
     readings: tuple[Readings, ...]
+
+    @property
+    def of_forces(self) -> bool:
+        """Whether any does."""
+        return any(one.of_forces for one in self.readings)
 
     def values(self, seen: Seen) -> FloatArray:
         """What they read."""

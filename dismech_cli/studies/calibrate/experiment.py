@@ -18,7 +18,7 @@ from ...scenario.load import LoadedScenario
 from ...session.narrator import Narrator, Silent
 from ...solve.integrators import Static
 from ...solve.linear.factors import FactorizationError
-from ...solve.sensitivity import forward
+from ...solve.sensitivity import NOWHERE, forward
 from ..gradient.reading import Readings, states
 from ..gradient.run import TapedRun, differentiated, exactly, quietly, run_taped, why_not
 from ..gradient.setting import Nearby, Setting, nearby
@@ -200,7 +200,9 @@ class Experiment:
         read: list[list[FloatArray]] = [[] for _ in self.curves]
         wanted = [set(one.states.tolist()) for one in sampled]
         try:
-            for i, d in enumerate(forward(model, run.simulation.start, run.steps)):
+            forces = any(channel.of_forces for channel in channels)
+            reacting = np.arange(len(run.simulation.start.q)) if forces else NOWHERE
+            for i, d in enumerate(forward(model, run.simulation.start, run.steps, reacting)):
                 for k, channel in enumerate(channels):
                     if i in wanted[k]:
                         read[k].append(channel.slopes(seen[i], d))

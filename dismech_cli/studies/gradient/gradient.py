@@ -23,7 +23,7 @@ from ...session.narrator import Narrator, Silent
 from ...solve.adjoint import adjoint
 from ...solve.linear.factors import FactorizationError
 from ...solve.neighbours import DIFFERENCES
-from ...solve.sensitivity import Differentiated, forward
+from ...solve.sensitivity import NOWHERE, Differentiated, forward
 from ...units import KINDS
 from ...words import hint
 from ..source import Source
@@ -142,7 +142,7 @@ def gradient(
             if one.nothing:
                 narrator.warn(f"{setting.path} changes nothing in the model: its derivative is zero")
         chosen = _method(method, target, model)
-        slopes = _exact(chosen, simulation, target, run, model, near)
+        slopes = exact(chosen, simulation, target, run, model, near)
     seconds = (tock - tick, time.perf_counter() - tock)
     check = _check(source, target, settings, slopes) if checked and not why else None
     return Gradient(of, unit, value, settings, slopes, chosen, why, check, seconds)
@@ -204,7 +204,7 @@ def _method(wanted: Method, target: Reduced, model: Differentiated) -> Method:
     return wanted
 
 
-def _exact(
+def exact(
     method: Method,
     simulation: Simulation,
     target: Reduced,
@@ -220,7 +220,9 @@ def _exact(
             owed = readings.owed(*seen[-1])
             return adjoint(model, simulation.start, run.steps, owed) + readings.by_scene(*seen[-1])
         courses = []
-        for (state, residual), d in zip(seen, forward(model, simulation.start, run.steps), strict=True):
+        wanted = np.arange(len(simulation.start.q)) if readings.of_forces else NOWHERE
+        along = forward(model, simulation.start, run.steps, wanted)
+        for (state, residual), d in zip(seen, along, strict=True):
             if not target.of_end or state is seen[-1][0]:
                 courses.append(readings.slopes(state, residual, d))
     except FactorizationError as error:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ...arrays import FloatArray
+from ...model.alike import alike
 from ...model.state import State
 from ...run.account import EnergyAccount
 from ...run.observables.probes import Probe
@@ -22,6 +23,8 @@ from .setting import Nearby
 
 Probes = Sequence[Probe]
 
+# Units of what is read from the state alone: at one state it differs between scenes by its places only.
+_OF_STATE = ("m", "m/s", "rad")
 # Largest displacement of a state to see how a number changes, of an edge; largest turn [rad].
 _SMALL = 1e-3
 
@@ -139,8 +142,15 @@ class Readings:
         self._near = [one.neighbours for one in near]
         self._others = [
             [(Eye(other), there) for other, there in zip(one.simulations, probes, strict=True)]
+            if probe.unit not in _OF_STATE or not all(alike(probe, there) for there in probes)
+            else []
             for one, probes in zip(near, near_probes, strict=True)
         ]
+
+    @property
+    def of_forces(self) -> bool:
+        """Whether it is read from the residual."""
+        return self._probe.unit == "N"
 
     def value(self, state: State, residual: FloatArray) -> float:
         """The number at a state, with the residual that led there (n,)."""
@@ -156,6 +166,8 @@ class Readings:
         )
 
     def _by_scene(self, k: int, state: State, residual: FloatArray) -> float:
+        if not self._others[k]:
+            return 0.0
         seen = [np.asarray(eye.read(probe, state, residual)) for eye, probe in self._others[k]]
         return float(self._near[k].slope(seen))
 
@@ -173,22 +185,41 @@ class Readings:
     def owed(self, state: State, residual: FloatArray) -> Owed:
         """Derivative to the state itself, one number after the other; of probes of shape and velocity."""
         n, turns = len(state.q), tuple(np.zeros(len(e.angles)) for e in self._eye.edges)
-        out = {name: np.zeros(n) for name in ("q", "v")}
-        sizes = {"q": self._eye.length, "v": float(np.abs(state.v).max(initial=0.0)) or 1.0}
-        for name, size in sizes.items():
-            base, step = getattr(state, name), _SMALL * size
-            for dof in range(n):
-                values = []
-                for offset in CENTRAL.offsets:
-                    there = base.copy()
-                    there[dof] += offset * step
-                    values.append(np.asarray(self.value(replace(state, **{name: there}), residual)))
-                out[name][dof] = float(CENTRAL(values, step))
-        return Owed(out["q"], out["v"], np.zeros(n), turns)
+        fastest = float(np.abs(state.v).max(initial=0.0)) or 1.0
+        by_q = _gradient(
+            lambda q: self.value(replace(state, q=q), residual), state.q, _SMALL * self._eye.length
+        )
+        by_v = _gradient(lambda v: self.value(replace(state, v=v), residual), state.v, _SMALL * fastest)
+        return Owed(by_q, by_v, np.zeros(n), turns)
 
     def by_scene(self, state: State, residual: FloatArray) -> FloatArray:
         """Derivatives to the parameters at a fixed state, shape (P,)."""
         return np.array([self._by_scene(k, state, residual) for k in range(len(self._near))])
+
+
+def _gradient(read: Callable[[FloatArray], float], x: FloatArray, step: float) -> FloatArray:
+    """Derivatives of a number to each of the numbers (n,) that it is read from, mostly few of them."""
+    found, here = np.zeros_like(x), read(x)
+    # no two of these displacements add up to nothing, whatever the weights of what is read
+    moved = step * (0.5 + np.modf(np.arange(1, len(x) + 1) * 0.6180339887498949)[0])
+    parts = [(0, len(x))]
+    while parts:
+        first, end = parts.pop()
+        there = x.copy()
+        there[first:end] += moved[first:end]
+        if read(there) == here:
+            continue
+        if end - first > 1:
+            middle = (first + end) // 2
+            parts += [(first, middle), (middle, end)]
+            continue
+        values = []
+        for offset in CENTRAL.offsets:
+            there = x.copy()
+            there[first] += offset * step
+            values.append(np.asarray(read(there)))
+        found[first] = float(CENTRAL(values, step))
+    return found
 
 
 def states(start: State, steps: Sequence[TapedStep]) -> list[tuple[State, FloatArray]]:
