@@ -17,13 +17,13 @@ from ..scenario.load import LoadedScenario
 from .bodies.geometry import Geometry
 from .changing import Changing, make_changing
 from .control.control import NO_CONTROL, Control, make_control
-from .elastic.elastic import Elastic, make_elastic, make_passive
+from .elastic.elastic import Elastic, Passive, make_elastic, make_passive
 from .imperfection import NO_DEVIATION, Deviation, find_deviation
 from .initial.signature import signature
 from .initial.start import make_start
 from .loads.table import Forces, make_forces
 from .nets import net_decisions
-from .numerics import build_integrator, build_newton, check_linear_solver, follows_path
+from .numerics import build_driver, build_integrator, build_newton, check_linear_solver, follows_path
 from .observables.fields import make_fields, make_topology
 from .observables.labels import node_labels
 from .observables.probes import make_probe, make_probes, make_watched
@@ -33,8 +33,9 @@ from .scene import Scene, make_scene
 from .sizes import refuse_oversized
 from .stepping import make_stepping
 from .structure.holds import drives, resolve_holds
+from .structure.kernels import Chosen, Repays, among_many, choose_kernels
 from .structure.masses import mass_matrix
-from .structure.plan import Plan, make_plan
+from .structure.plan import Decision, Plan, make_plan
 from .structure.prescribed import build_motions
 from .structure.structure import Structure, make_structure, typical_length
 
@@ -63,6 +64,7 @@ def compose(
     kernels: str | None = None,
     planned: Callable[[Plan], None] = lambda plan: None,
     plugins: Plugins = NONE,
+    repays: Repays = among_many,
 ) -> Composition:
     """Compose everything; steps nothing.
 
@@ -71,6 +73,7 @@ def compose(
         kernels: Overrides the plan's choice of kernels: a resumed run keeps those it had.
         planned: Told the plan before anything is made of it, which may take long to compile.
         plugins: Where controllers of plugins come from.
+        repays: What compiling kernels must save where the plan chooses them.
 
     Raises:
         ScenarioError: The scenario cannot be composed; the message points to the key.
@@ -80,20 +83,26 @@ def compose(
     deviation = _deviation(perfect, plugins)
     scene = deviation.made(perfect)
     holds = resolve_holds(scene)
-    plan = make_plan(scene, holds, kernels)
-    plan = replace(plan, decisions=(*plan.decisions, *deviation.told))
-    planned(plan)
+    plan = make_plan(scene, holds)
     check_linear_solver(loaded)
-    structure = make_structure(scene, holds, plan)
-    control, elastic = _driven(scene, structure, plugins)
-    forces = make_forces(scene, structure)
-    changing = make_changing(scene, structure)
-    roles = _roles(elastic, forces, changing)
+    resting = make_structure(scene, holds, plan)
+    passive, forces = make_passive(scene, resting), make_forces(scene, resting)
+    changing = make_changing(scene, resting)
+    chosen = (
+        choose_kernels(scene, resting, (*passive.terms, *forces.all), changing.terms, repays)
+        if kernels is None
+        else Chosen(kernels, "as in the resumed run")
+    )
+    structure = resting.run_by(build_driver(chosen.kernels))
+    plan = _with_kernels(plan, chosen, deviation)
+    planned(plan)
+    control, elastic = _driven(scene, structure, passive, plugins)
+    roles = _roles(elastic, passive, forces, changing)
     probes = make_probes(scene, structure, control)
     fields = make_fields(scene, structure, elastic.rods)
     columns = scalar_columns(roles, probes, LOAD_COLUMNS if follows_path(loaded) else {})
     numerics = loaded.scenario.numerics
-    model = _model(scene, structure, (*elastic.terms, *elastic.damping, *forces.all), changing.terms)
+    model = _model(scene, structure, (*elastic.terms, *passive.damping, *forces.all), changing.terms)
     start = make_start(scene, structure, model.motions)
     state = deviation.pushed(start.state, structure.dofs, structure.frames)
     stepping = make_stepping(loaded, model, state.q, control.events)
@@ -129,9 +138,22 @@ def compose(
     return Composition(simulation, plan, scene.geometry, start.kept, control.kept)
 
 
-def _driven(scene: Scene, structure: Structure, plugins: Plugins) -> tuple[Control, Elastic]:
+def _with_kernels(plan: Plan, chosen: Chosen, deviation: Deviation) -> Plan:
+    """The plan with what runs it, and with what the scene was made to deviate by."""
+    decision = Decision(f"kernels by {chosen.kernels}", chosen.why)
+    return replace(
+        plan,
+        kernels=chosen.kernels,
+        compiling=chosen.compiling,
+        decisions=(*plan.decisions, decision, *deviation.told),
+        warnings=(*plan.warnings, chosen.warning) if chosen.warning else plan.warnings,
+    )
+
+
+def _driven(
+    scene: Scene, structure: Structure, passive: Passive, plugins: Plugins
+) -> tuple[Control, Elastic]:
     """Controllers, and the elastic energies that they and laws drive."""
-    passive = make_passive(scene, structure)
     control = make_control(
         scene,
         structure,
@@ -148,8 +170,9 @@ def _deviation(perfect: Scene, plugins: Plugins) -> Deviation:
     if spec is None:
         return NO_DEVIATION
     holds = resolve_holds(perfect)
-    structure = make_structure(perfect, holds, make_plan(perfect, holds, "numpy"))
-    model = _model(perfect, structure, _driven(perfect, structure, plugins)[1].terms)
+    structure = make_structure(perfect, holds, make_plan(perfect, holds))
+    passive = make_passive(perfect, structure)
+    model = _model(perfect, structure, _driven(perfect, structure, passive, plugins)[1].terms)
     mass = mass_matrix(perfect.geometry, structure.dofs, structure.payload)
     return find_deviation(spec, perfect, model, mass)
 
@@ -175,13 +198,13 @@ def _model(
     )
 
 
-def _roles(elastic: Elastic, forces: Forces, changing: Changing) -> Roles:
+def _roles(elastic: Elastic, passive: Passive, forces: Forces, changing: Changing) -> Roles:
     return Roles(
         elastic=elastic.terms,
         surplus=elastic.surplus,
         gravitational=tuple(term.name for term in forces.gravitational),
         loads=tuple(term.name for term in forces.loads),
-        dissipative=tuple(term.name for term in (*elastic.damping, *forces.dissipative)),
+        dissipative=tuple(term.name for term in (*passive.damping, *forces.dissipative)),
         contact=changing.storing,
         friction=changing.rubbing,
     )

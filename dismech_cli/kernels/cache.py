@@ -14,7 +14,6 @@ import stat
 import sys
 import tempfile
 import warnings
-from contextlib import suppress
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
@@ -36,13 +35,6 @@ def cache_folder() -> Path:
     chosen = os.environ.get("DISMECH_CACHE")
     base = Path(chosen) / "dismech" if chosen else user_cache_path("dismech", appauthor=False)
     return _trusted(base.absolute() / "kernels" / f"numba-{version('numba')}-{sys.implementation.cache_tag}")
-
-
-def is_compiled() -> bool:
-    """Whether some kernels have been compiled before and kept."""
-    with suppress(OSError):
-        return any(cache_folder().rglob("*.nbi"))
-    return False
 
 
 @cache

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import hashlib
 import os
-import platform
 import sys
 import warnings
 from collections.abc import Callable
@@ -14,13 +12,11 @@ from typing import Any
 
 from ..geometry.kernel import marked_kernels
 from .cache import cache_folder, temporary_folder
-from .fingerprint import fingerprint
+from .loop_text import FASTMATH, LoopText
 from .numba_source import not_kept
 
-# Reassociation and contraction only: never nnan or ninf, which delete checks for NaN. Kernels are
-# inlined into their loops, so that a loop that wants the residual alone computes nothing else.
-_FASTMATH = ("nsz", "arcp", "contract", "afn", "reassoc")
-_KERNEL_OPTIONS: Any = {"fastmath": set(_FASTMATH), "forceinline": True}
+# Kernels are inlined into their loops, so that a loop that wants the residual alone computes nothing else.
+_KERNEL_OPTIONS: Any = {"fastmath": set(FASTMATH), "forceinline": True}
 
 _REGISTERED: set[Callable[..., Any]] = set()
 
@@ -34,11 +30,11 @@ class LoopModule:
     memory alone where there is no room for one.
     """
 
-    def __init__(self, function: Callable[..., Any], kind: str, text: str) -> None:
-        self._name, self._text = _module_name(function, kind, text), text
+    def __init__(self, loops: LoopText) -> None:
+        self._name, self._text = loops.name, loops.text
         self._repairs = [self._compiled_again, self._elsewhere, self._in_memory]
         try:
-            self._module = _imported(self._name, text, cache_folder())
+            self._module = _imported(self._name, self._text, cache_folder())
         except (OSError, RuntimeError) as error:  # Numba has a RuntimeError for what it cannot write to
             self._warn(error)
             self._module = self._elsewhere()
@@ -81,17 +77,6 @@ def _is_mistake(error: Exception) -> bool:
     from numba.core.errors import NumbaError
 
     return isinstance(error, NumbaError)
-
-
-def _module_name(function: Callable[..., Any], kind: str, text: str) -> str:
-    """Name that stands for all that is compiled: kernel, shape, options and versions."""
-    import numba
-
-    digest = hashlib.sha256(text.encode())
-    for part in (fingerprint(function), *_FASTMATH, numba.__version__, platform.python_version()):
-        digest.update(part.encode())
-    room = function.__module__.rpartition(".")[2]
-    return f"{room}_{function.__name__}_{kind}_{digest.hexdigest()[:16]}"
 
 
 def _imported(name: str, text: str, folder: Path) -> ModuleType:

@@ -14,7 +14,7 @@ from ..arrays import FloatArray, IntArray
 from .driver import DragLoop, LoadLoop, LoopT, RateLoop, StencilLoop
 from .linearization import Linearization, Pattern
 from .loop_module import LoopModule
-from .numba_source import call_source, drag_source, load_source, map_source, rate_source, stencil_source
+from .loop_text import call_text, drag_text, load_text, map_text, rate_text, stencil_text
 from .shape import DragKernel, Kernel, LoadKernel, RateKernel
 
 
@@ -25,7 +25,7 @@ def _unsigned(indices: IntArray) -> NDArray[np.uint32]:
 
 @cache
 def _stencil_loops(kernel: Kernel) -> LoopModule:
-    return LoopModule(kernel.function, "stencils", stencil_source(kernel))
+    return LoopModule(stencil_text(kernel))
 
 
 class NumbaStencilLoop:
@@ -68,7 +68,7 @@ class NumbaStencilLoop:
 
 @cache
 def _drag_loops(kernel: DragKernel) -> LoopModule:
-    return LoopModule(kernel.function, "drag", drag_source(kernel))
+    return LoopModule(drag_text(kernel))
 
 
 class NumbaDragLoop:
@@ -108,7 +108,7 @@ class NumbaDragLoop:
 
 @cache
 def _load_loops(kernel: LoadKernel) -> LoopModule:
-    return LoopModule(kernel.function, "load", load_source(kernel))
+    return LoopModule(load_text(kernel))
 
 
 class NumbaLoadLoop:
@@ -150,7 +150,7 @@ class NumbaLoadLoop:
 
 @cache
 def _rate_loops(kernel: RateKernel) -> LoopModule:
-    return LoopModule(kernel.function, "rates", rate_source(kernel))
+    return LoopModule(rate_text(kernel))
 
 
 class NumbaRateLoop:
@@ -197,12 +197,12 @@ class NumbaRateLoop:
 
 @cache
 def _map_loop(function: Callable[..., Any], inputs: int, outputs: int) -> LoopModule:
-    return LoopModule(function, "map", map_source(function, inputs, outputs))
+    return LoopModule(map_text(function, inputs, outputs))
 
 
 @cache
 def _call_loop(function: Callable[..., Any]) -> LoopModule:
-    return LoopModule(function, "call", call_source(function))
+    return LoopModule(call_text(function))
 
 
 @dataclass(frozen=True, slots=True)

@@ -91,6 +91,9 @@ class Frames(Protocol):
     def turns(self, one: FrameState, other: FrameState) -> tuple[FloatArray, ...]:
         """Angles [rad] from frames to others about the same tangents, as :meth:`turned` takes them."""
 
+    def run_by(self, driver: Driver) -> Frames:
+        """The same, carried by another driver."""
+
 
 _NOTHING = FrameState(np.empty((3, 0)), np.empty((3, 0)), np.empty(0))
 _NO_FRAMES = TrialFrames(_NOTHING, np.empty(0))
@@ -121,6 +124,10 @@ class NoFrames:
     def turns(self, one: FrameState, other: FrameState) -> tuple[FloatArray, ...]:
         """None."""
         return ()
+
+    def run_by(self, driver: Driver) -> NoFrames:
+        """The same: there is nothing to carry."""
+        return self
 
 
 @kernel
@@ -229,6 +236,10 @@ class RodFrames:
     def turns(self, one: FrameState, other: FrameState) -> tuple[FloatArray, ...]:
         """Angles between the reference directors."""
         return (signed_angle(one.director, other.director, one.tangent),)
+
+    def run_by(self, driver: Driver) -> RodFrames:
+        """The same, carried by another driver."""
+        return replace(self, driver=driver)
 
     def reference_twist(self, tangent: FloatArray, director: FloatArray, stored: FloatArray) -> FloatArray:
         """Reference twist of each joint, the one next to a stored one [rad], shape (J,)."""

@@ -134,6 +134,10 @@ class ShellFrames:
         angle = signed_angle(one.edge_normal, other.edge_normal, one.edge_tangent)
         return (*self.rods.turns(one, other), angle)
 
+    def run_by(self, driver: Driver) -> ShellFrames:
+        """The same, carried by another driver."""
+        return replace(self, rods=self.rods.run_by(driver), driver=driver)
+
     def turned_to_faces(self, state: FrameState, q: FloatArray) -> FloatArray:
         """Normals halfway between the faces of each edge at ``q``, shape (3, B).
 

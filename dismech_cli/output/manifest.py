@@ -85,6 +85,7 @@ class Manifest:
         overrides: ``KEY=VALUE`` texts that changed the scenario.
         parameters: Value, unit and origin of each parameter of the scenario.
         plan: The plan as the user is shown it.
+        kernels: What ran them, ``numpy`` or ``numba``, whose last digits differ; empty in older runs.
         counters: Steps, Newton iterations, factorisations, rejected steps, ...
         seconds: Wall time by phase [s].
         expectations: What each entry of ``expect:`` promised and the run gave, once it is done.
@@ -110,6 +111,7 @@ class Manifest:
     overrides: tuple[str, ...] = ()
     parameters: Mapping[str, Mapping[str, Json]] = field(default_factory=dict)
     plan: str = ""
+    kernels: str = ""
     counters: Mapping[str, int] = field(default_factory=dict)
     seconds: Mapping[str, float] = field(default_factory=dict)
     expectations: tuple[Mapping[str, Json], ...] = ()
@@ -159,6 +161,7 @@ def _sound(manifest: Manifest) -> Manifest:
         ("status", manifest.status in get_args(Status)),
         ("exit_code", manifest.exit_code is None or type(manifest.exit_code) is int),
         ("message", isinstance(manifest.message, str)),
+        ("kernels", isinstance(manifest.kernels, str)),
         ("counters and seconds", all(isinstance(number, int | float) for number in numbers)),
         ("versions", isinstance(manifest.versions, Mapping)),
         ("threads", isinstance(manifest.threads, Mapping)),

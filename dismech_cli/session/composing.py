@@ -4,18 +4,22 @@ from __future__ import annotations
 
 from ..compose.compose import Composition, compose
 from ..compose.numerics import DRIVERS
+from ..compose.structure.kernels import Repays, among_many
 from ..compose.structure.plan import Plan
 from ..control.plugin import NONE, Plugins
 from ..errors import ScenarioError
 from ..kernels.availability import numba_fault
-from ..kernels.cache import is_compiled
 from ..scenario.load import LoadedScenario
 from ..words import listed
 from .narrator import Narrator
 
 
 def composed(
-    loaded: LoadedScenario, kernels: str | None, narrator: Narrator, plugins: Plugins = NONE
+    loaded: LoadedScenario,
+    kernels: str | None,
+    narrator: Narrator,
+    plugins: Plugins = NONE,
+    repays: Repays = among_many,
 ) -> Composition:
     """Compose a scenario and tell its plan.
 
@@ -24,6 +28,7 @@ def composed(
         kernels: Overrides the plan's choice of kernels.
         narrator: Told the plan before anything is built, which may take long to compile.
         plugins: Where controllers of plugins come from.
+        repays: What compiling kernels must save where the plan chooses them.
 
     Raises:
         ScenarioError: It cannot be composed, or there are no such kernels.
@@ -32,7 +37,9 @@ def composed(
         raise ScenarioError(f"unknown kernels {kernels!r}: expected {listed(DRIVERS)}")
     if kernels == "numba" and (fault := numba_fault()):
         raise ScenarioError(f"kernels by numba, which {fault.text}")
-    return compose(loaded, kernels, planned=lambda plan: tell_plan(plan, narrator), plugins=plugins)
+    return compose(
+        loaded, kernels, planned=lambda plan: tell_plan(plan, narrator), plugins=plugins, repays=repays
+    )
 
 
 def tell_doubts(composition: Composition, narrator: Narrator) -> None:
@@ -48,5 +55,5 @@ def tell_plan(plan: Plan, narrator: Narrator) -> None:
     narrator.say("plan: " + "; ".join(d.what.partition(":")[0] for d in plan.decisions))
     for decision in plan.decisions:
         narrator.detail(f"  {decision.what}: {decision.why}")
-    if plan.kernels == "numba" and not is_compiled():
-        narrator.say("compiling kernels, once")
+    if plan.compiling:
+        narrator.say(f"compiling {plan.compiling} kernels, once")

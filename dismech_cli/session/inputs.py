@@ -71,6 +71,7 @@ def gather_inputs(
     kept: bytes = b"",
     plugins: Loaded = NONE,
     followed: Mapping[str, bytes] = MappingProxyType({}),
+    kernels: str | None = None,
 ) -> Inputs:
     """Find the files of a scenario and give them names in the run directory.
 
@@ -79,6 +80,8 @@ def gather_inputs(
         kept: A file that stands for the folder of another run that it starts from.
         plugins: Files of controllers.
         followed: Files that stand for folders of other runs that it follows, by the names of these.
+        kernels: What was chosen to run it, if that is not said: the copy names it, so that it gives the
+            same digits again.
     """
     names: dict[str, str] = {}
     made: dict[str, bytes] = {}
@@ -94,7 +97,11 @@ def gather_inputs(
             # Files of one name from different folders are told apart by a number.
             names[leaf.value] = name if name not in names.values() else _numbered(name, len(names))
     files = {new: (loaded.directory / old).resolve() for old, new in names.items()}
-    text = dump_resolved(loaded.scenario, names, loaded.parameters)
+    scenario = loaded.scenario
+    if kernels is not None:
+        numerics = scenario.numerics.model_copy(update={"kernels": kernels})
+        scenario = scenario.model_copy(update={"numerics": numerics})
+    text = dump_resolved(scenario, names, loaded.parameters)
     hashes = {
         new: hashlib.sha256(made[new]).hexdigest() if new in made else _sha256(file)
         for new, file in files.items()

@@ -10,13 +10,15 @@ import numpy as np
 
 from ..compose.bodies.geometry import Geometry
 from ..compose.compose import Composition, compose
+from ..compose.price import Work
 from ..compose.sizes import memory
+from ..compose.structure.kernels import alone
 from ..compose.structure.plan import Decision
 from ..control.plugin import load_plugins
 from ..kinematics.motion import held_dofs
 from ..output.frame import Topology
 from ..output.jsonable import Json, to_json
-from ..run.simulation import Simulation
+from ..scenario.language.numerics import Numerics
 from ..scenario.load import load
 from ..scenario.text.parameters import Parameter
 from ..scenario.views.provenance import as_json
@@ -24,15 +26,6 @@ from ..solve.system import System
 from .joints import JointLine, joint_lines
 from .loops import look_at_loops, nominal_step
 from .modes import Modes, find_modes
-
-# Measured on one core of 2.5 GHz: seconds per Newton iteration, fixed, per edge and per triangle,
-# linear solve included; factors of a surface fill by a power of its size. Good within a factor of three.
-_ITERATION = {"numpy": (1.2e-3, 3.0e-6, 4.0e-6), "numba": (0.2e-3, 1.2e-6, 1.0e-6)}
-_FILL, _FILL_POWER = 3.3e-7, 1.35
-# Besides its iterations a step costs this, for the account and what is watched, and contact this in each [s].
-_STEP, _CONTACT = {"numpy": 0.6e-3, "numba": 0.15e-3}, {"numpy": 3.0e-3, "numba": 1.0e-3}
-# Newton iterations of a load step and of a stage of a time step, and what adaptive steps and contact add.
-_OF_STATICS, _OF_STAGE, _OF_ADAPTING, _OF_CONTACT = 5.0, 1.8, 0.2, 0.2
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -168,7 +161,7 @@ def inspect(
         ScenarioError: It cannot be read or built, or a controller cannot be stable.
     """
     loaded = load(path, overrides=overrides, profile=profile, allow_outside=allow_outside)
-    composition = compose(loaded, plugins=load_plugins(plugins))
+    composition = compose(loaded, plugins=load_plugins(plugins), repays=alone)
     loops = look_at_loops(composition.simulation, nominal_step(loaded.scenario.numerics))
     for loop in loops:
         if loop.error:
@@ -184,7 +177,7 @@ def inspect(
         decisions,
         warnings,
         loaded.parameters,
-        estimate(composition, adaptive=numerics.adapts),
+        estimate(composition, numerics),
         find_modes(composition.simulation, None if numerics.adapts else numerics.dt),
         tuple(loop.text for loop in loops),
     )
@@ -205,12 +198,12 @@ def extents(geometry: Geometry) -> tuple[Extent, ...]:
     return tuple(found)
 
 
-def estimate(composition: Composition, *, adaptive: bool = False) -> Cost:
+def estimate(composition: Composition, numerics: Numerics) -> Cost:
     """Count what can be counted and guess the rest.
 
     Args:
         composition: What would be run.
-        adaptive: Whether its steps adapt.
+        numerics: Of its scenario.
     """
     simulation = composition.simulation
     model, topology = simulation.model, simulation.topology
@@ -219,38 +212,24 @@ def estimate(composition: Composition, *, adaptive: bool = False) -> Cost:
     pattern = system.pattern
     steps = simulation.control.steps
     end = simulation.control.t_end
-    iterations = _iterations(simulation, adaptive=adaptive)
     frames = steps + 1
     if simulation.frame_every > 0.0:
         frames = min(frames, int(end / simulation.frame_every * (1.0 + 1e-12)) + 1)
-    fixed, edge, triangle = _ITERATION[composition.plan.kernels]
-    solver = system.solver.name
-    edges, triangles = len(topology.edges), len(topology.triangles)
-    iteration = fixed + edge * edges + triangle * triangles + _FILL * triangles**_FILL_POWER
-    iteration += _CONTACT[composition.plan.kernels] if model.changing else 0.0
+    solver, kernels = system.solver.name, composition.plan.kernels
+    work = Work.of(numerics, composition.geometry, touching=bool(model.changing), steps=steps)
     return Cost(
         dofs=model.dofs.n,
         free=pattern.m,
         entries=pattern.nnz,
         solver=solver,
         steps=steps,
-        adaptive=adaptive,
-        iterations=iterations,
+        adaptive=numerics.adapts,
+        iterations=work.iterations,
         frames=frames,
-        seconds=steps * (_STEP[composition.plan.kernels] + iterations * iteration),
-        memory=memory(model, composition.plan.kernels, solver, pattern.nnz),
+        seconds=work.seconds(kernels),
+        memory=memory(model, kernels, solver, pattern.nnz),
         disk=8.0 * frames * _numbers_per_frame(topology),
     )
-
-
-def _iterations(simulation: Simulation, *, adaptive: bool) -> float:
-    """Newton iterations that a step usually takes."""
-    if not simulation.model.mass.any():
-        return _OF_STATICS
-    stage = (
-        _OF_STAGE + (_OF_ADAPTING if adaptive else 0.0) + (_OF_CONTACT if simulation.model.changing else 0.0)
-    )
-    return stage * simulation.integrator.stages
 
 
 def _numbers_per_frame(topology: Topology) -> int:

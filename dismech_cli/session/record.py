@@ -65,6 +65,7 @@ def record(
             overrides=loaded.overrides,
             parameters=as_json(loaded.parameters),
             plan=str(prepared.composition.plan),
+            kernels=prepared.composition.plan.kernels,
             seconds=prepared.seconds,
         )
         manifest.save(run_dir)

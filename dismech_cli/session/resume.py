@@ -75,7 +75,7 @@ def proceed(
         recorded, checkpoint = _stored(
             run_dir, logged, load_open_checkpoint if change.overrides else load_checkpoint
         )
-        kernels = None if recorded is None else str(recorded["kernels"])
+        kernels = (manifest.kernels or None) if recorded is None else str(recorded["kernels"])
         if kernels == "numba" and (fault := numba_fault()):
             raise ScenarioError(f"{run_dir} was run with numba, which {fault.text}")
         composition = composed(later, kernels, narrator, files)

@@ -74,7 +74,9 @@ def simulate(
         prepared = Prepared(
             loaded=loaded,
             composition=composition,
-            inputs=gather_inputs(loaded, composition.kept, files, composition.followed),
+            inputs=gather_inputs(
+                loaded, composition.kept, files, composition.followed, composition.plan.kernels
+            ),
             limits=limits,
             seconds={"load": tock - tick, "build": time.perf_counter() - tock},
         )

@@ -6,6 +6,7 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
+from ..compose.structure.kernels import Repays, alone
 from ..control.plugin import load_plugins
 from ..output import run_directory
 from ..run.interrupt import stop_on_signals
@@ -35,6 +36,7 @@ class Start:
         draw: Whether the pictures that the scenario asks for are drawn.
         pause: When to pause.
         plugins: Files of controllers.
+        repays: What compiling kernels must save, if the plan chooses them.
     """
 
     path: Path
@@ -46,6 +48,7 @@ class Start:
     draw: bool
     pause: Pause
     plugins: tuple[Path, ...] = ()
+    repays: Repays = alone
 
 
 def start(request: Start, narrator: Narrator) -> Finished:
@@ -71,14 +74,16 @@ def start(request: Start, narrator: Narrator) -> Finished:
         )
     tock = time.perf_counter()
     plugins = load_plugins(request.plugins)
-    composition = composed(loaded, None, narrator, plugins)
+    composition = composed(loaded, None, narrator, plugins, request.repays)
     tell_doubts(composition, narrator)
     for doubt in doubtful_loops(composition.simulation, nominal_step(loaded.scenario.numerics)):
         narrator.warn(doubt)
     prepared = Prepared(
         loaded=loaded,
         composition=composition,
-        inputs=gather_inputs(loaded, composition.kept, plugins, composition.followed),
+        inputs=gather_inputs(
+            loaded, composition.kept, plugins, composition.followed, composition.plan.kernels
+        ),
         limits=limits,
         seconds={"load": tock - tick, "build": time.perf_counter() - tock},
     )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
-from typing import Any, Protocol, TypeAlias
+from typing import Any, Final, Protocol, TypeAlias
 
 import numpy as np
 
@@ -15,6 +15,14 @@ from . import entry_loops
 from .pattern import Blocks, Extension, SparsityPattern
 
 _Loop: TypeAlias = Callable[..., Any]
+
+LOOPS: Final[tuple[_Loop, ...]] = (
+    entry_loops.count_pairs,
+    entry_loops.fill_pairs,
+    entry_loops.spread_pairs,
+    entry_loops.merge,
+)
+"""What :class:`CompiledExtender` is made of, after its blocks."""
 
 
 class Extender(Protocol):
@@ -83,11 +91,5 @@ class CompiledExtender:
 
 def extender_of(base: SparsityPattern, driver: Driver) -> Extender:
     """The one that a driver runs."""
-    names = (
-        entry_loops.count_pairs,
-        entry_loops.fill_pairs,
-        entry_loops.spread_pairs,
-        entry_loops.merge,
-    )
-    loops: list[_Loop] = [made for one in names if (made := driver.compiled(one)) is not None]
-    return CompiledExtender(base, base.blocks(), *loops) if len(loops) == len(names) else base
+    loops: list[_Loop] = [made for one in LOOPS if (made := driver.compiled(one)) is not None]
+    return CompiledExtender(base, base.blocks(), *loops) if len(loops) == len(LOOPS) else base

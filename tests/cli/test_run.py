@@ -241,16 +241,14 @@ def test_compilation_is_announced_once(call, swing, monkeypatch, tmp_path):
     monkeypatch.setenv("DISMECH_CACHE", str(tmp_path / "cache"))
     from dismech_cli.cli.console import Console
     from dismech_cli.compose.structure.plan import Decision
-    from dismech_cli.kernels.cache import cache_folder
     from dismech_cli.session.composing import tell_plan
 
-    plan = SimpleNamespace(kernels="numba", decisions=(Decision("kernels by numba", "asked for"),))
+    decisions = (Decision("kernels by numba", "asked for"),)
     lines: list[str] = []
     monkeypatch.setattr(Console, "say", lambda self, text: lines.append(text))
-    tell_plan(plan, Console())
-    (cache_folder() / "loop.nbi").write_bytes(b"")
-    tell_plan(plan, Console())
-    assert lines == ["plan: kernels by numba", "compiling kernels, once", "plan: kernels by numba"]
+    for compiling in (3, 0):
+        tell_plan(SimpleNamespace(compiling=compiling, decisions=decisions), Console())
+    assert lines == ["plan: kernels by numba", "compiling 3 kernels, once", "plan: kernels by numba"]
 
 
 def test_resume_keeps_the_kernels_of_the_run(call, swing, monkeypatch):

@@ -13,8 +13,8 @@ import pytest
 from dismech_cli.energies.stretch import STRETCH, STRETCH_PLANAR
 from dismech_cli.geometry.kernel import kernel
 from dismech_cli.kernels import loop_module
+from dismech_cli.kernels.loop_text import map_text, stencil_text
 from dismech_cli.kernels.numba_driver import NumbaDriver
-from dismech_cli.kernels.numba_source import map_source, stencil_source
 
 pytest.importorskip("numba")
 
@@ -43,7 +43,7 @@ def places(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> tuple[Path, Path]
 
 
 def loops() -> loop_module.LoopModule:
-    return loop_module.LoopModule(shift, "map", map_source(shift, 3, 2))
+    return loop_module.LoopModule(map_text(shift, 3, 2))
 
 
 def assert_works(made: loop_module.LoopModule) -> None:
@@ -63,10 +63,7 @@ def test_shapes_of_one_kernel_are_loops_of_their_own() -> None:
         x = np.arange(2.0 * inputs).reshape(inputs, 2)
         assert np.array_equal(driver.map(shift, x, inputs - 1), x[1:])
     flat = replace(STRETCH, dimension=2)
-    names = {
-        loop_module._module_name(shape.function, "stencils", stencil_source(shape))
-        for shape in (STRETCH, flat, STRETCH_PLANAR)
-    }
+    names = {stencil_text(shape).name for shape in (STRETCH, flat, STRETCH_PLANAR)}
     assert len(names) == 3
 
 
@@ -140,7 +137,7 @@ def test_tampered_loops_are_written_again(places: tuple[Path, Path]) -> None:
 def test_mistakes_in_kernels_are_not_blamed_on_the_cache(places: tuple[Path, Path]) -> None:
     from numba.core.errors import NumbaError
 
-    made = loop_module.LoopModule(double, "map", map_source(double, 1, 2))
+    made = loop_module.LoopModule(map_text(double, 1, 2))
     with pytest.raises(NumbaError):
         made.run("loop", np.zeros((1, 1)), np.zeros((2, 1)))
     assert not compiled(places[1])

@@ -36,7 +36,8 @@ def _check(seeds: range, folder: Path, monkeypatch: pytest.MonkeyPatch) -> int:
 
 def _fault(deck: str, folder: Path) -> str:
     try:
-        estimate(compose(load_text(deck, directory=folder), kernels="numpy"))
+        loaded = load_text(deck, directory=folder)
+        estimate(compose(loaded, kernels="numpy"), loaded.scenario.numerics)
     except ScenarioError as error:
         return str(error)
     return ""

@@ -25,7 +25,8 @@ def _fault(seed: int) -> str:
     format = "toml" if deck.suffix == ".toml" else "yaml"
     with within(LIMIT), np.errstate(all="ignore"):
         try:
-            estimate(compose(load_text(text, directory=deck.parent, format=format), kernels="numpy"))
+            loaded = load_text(text, directory=deck.parent, format=format)
+            estimate(compose(loaded, kernels="numpy"), loaded.scenario.numerics)
         except ScenarioError as error:
             return str(error)
     return ""

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from ...model.driven import DrivenEnergy
 from ...model.rate import ViscousStress
 from ...model.stencil import StencilEnergy
+from ...model.term import Term
 from ..scene import Scene
 from ..structure.structure import Structure
 from .damping import damping_terms
@@ -28,11 +29,19 @@ class Passive:
         rods: Those of the rods.
         shells: Those of the shells.
         welds: Those of rods with shells, and what natural strains do to them.
+        damping: What their materials resist rates of strain with.
     """
 
     rods: RodEnergies
     shells: ShellEnergies
     welds: tuple[tuple[StencilEnergy, Halves], ...]
+    damping: tuple[ViscousStress, ...]
+
+    @property
+    def terms(self) -> tuple[Term, ...]:
+        """All that there is."""
+        welds = (energy for energy, _ in self.welds)
+        return (*self.rods.terms, *self.shells.terms, *welds, *self.damping)
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,13 +51,11 @@ class Elastic:
     Attributes:
         rods: Those of the rods at rest, as stiff as feedback makes them.
         terms: All of them, driven where the scenario actuates them.
-        damping: What their materials resist rates of strain with.
         surplus: What they store beyond the energies in the balance, which feedback makes stiffer.
     """
 
     rods: RodEnergies
     terms: tuple[StencilEnergy | DrivenEnergy, ...]
-    damping: tuple[ViscousStress, ...]
     surplus: tuple[DrivenEnergy, ...]
 
 
@@ -59,7 +66,8 @@ def make_passive(scene: Scene, structure: Structure) -> Passive:
         ScenarioError: A section, a list of natural strains or a weld does not fit.
     """
     rods, shells = rod_energies(scene, structure), shell_energies(structure)
-    return Passive(rods, shells, weld_energies(scene, structure))
+    welds = weld_energies(scene, structure)
+    return Passive(rods, shells, welds, damping_terms(scene, structure, rods, shells, welds))
 
 
 def make_elastic(scene: Scene, structure: Structure, passive: Passive, ports: Ports) -> Elastic:
@@ -71,5 +79,4 @@ def make_elastic(scene: Scene, structure: Structure, passive: Passive, ports: Po
     rods = driven_rods(scene, structure, passive.rods, passive.welds, ports)
     shells = driven_shells(scene, structure, passive.shells, ports)
     terms = (*rods.terms, *stub_springs(scene, structure), *shells.terms, *passive.shells.seams)
-    damping = damping_terms(scene, structure, passive.rods, passive.shells, passive.welds)
-    return Elastic(rods.rods, terms, damping, (*rods.surplus, *shells.surplus))
+    return Elastic(rods.rods, terms, (*rods.surplus, *shells.surplus))

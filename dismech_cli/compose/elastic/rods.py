@@ -67,6 +67,12 @@ class RodEnergies:
     directors: IntArray = field(default_factory=_no_places)
     welds: Halves | None = None
 
+    @property
+    def terms(self) -> tuple[StencilEnergy, ...]:
+        """All that there are."""
+        corners = None if self.corners is None else self.corners.energy
+        return tuple(one for one in (self.stretch, self.bending, corners) if one is not None)
+
 
 def rod_energies(scene: Scene, structure: Structure) -> RodEnergies:
     """Make the energies of all rods.

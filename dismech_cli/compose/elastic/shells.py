@@ -26,6 +26,11 @@ class ShellEnergies:
     bending: Mapping[str, StencilEnergy]
     seams: tuple[StencilEnergy, ...]
 
+    @property
+    def terms(self) -> tuple[StencilEnergy, ...]:
+        """All that there are."""
+        return (*self.membrane.values(), *self.bending.values(), *self.seams)
+
 
 def shell_energies(structure: Structure) -> ShellEnergies:
     """Make the energies of all shells."""

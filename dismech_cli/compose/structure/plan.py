@@ -12,7 +12,6 @@ from enum import Enum
 import numpy as np
 
 from ...arrays import IntArray
-from ...kernels.availability import numba_fault
 from ...kinematics.strains import joint_angles
 from ...mesh.topology.rods import ChainKind, chains, rod_stencils
 from ...run.adaptive import RTOL
@@ -35,12 +34,6 @@ from .holds import Hold, twists
 
 # A rest shape counts as straight below this angle between edges [rad]; mesh files carry 1e-10.
 _STRAIGHT = 1e-9
-# Compiling costs about 10 s; below this much estimated NumPy time it never pays [stencil updates].
-_COMPILE_WORTH = 2_000_000
-# Steps of runs that choose their own, as a rule.
-_ADAPTIVE_STEPS = 500.0
-# A triangle bends at a hinge and a half and stretches: worth this many rod edges.
-_TRIANGLE = 3.0
 
 
 class Bending(Enum):
@@ -68,29 +61,30 @@ class Plan:
         axes: Space axes that the model carries.
         bending: Bending model.
         static: Whether mass is left out.
-        kernels: ``numpy`` or ``numba``.
         decisions: What was decided and why.
         warnings: What is allowed but doubtful, each with its place.
+        kernels: What runs them, ``numpy`` or ``numba``: chosen once it is known what there is to run.
+        compiling: How many modules of their loops are compiled first.
     """
 
     axes: tuple[int, ...]
     bending: Bending
     static: bool
-    kernels: str
     decisions: tuple[Decision, ...]
     warnings: tuple[str, ...]
+    kernels: str = "numpy"
+    compiling: int = 0
 
     def __str__(self) -> str:
         return "\n".join(f"{d.what}: {d.why}" for d in self.decisions)
 
 
-def make_plan(scene: Scene, holds: tuple[Hold, ...], kernels: str | None = None) -> Plan:
+def make_plan(scene: Scene, holds: tuple[Hold, ...]) -> Plan:
     """Decide.
 
     Args:
         scene: What was said, and its bodies.
         holds: Its motions.
-        kernels: Those of the run that is resumed, if any.
 
     Raises:
         ScenarioError: The scene contradicts a choice of the user.
@@ -120,10 +114,7 @@ def make_plan(scene: Scene, holds: tuple[Hold, ...], kernels: str | None = None)
     if not viscous and not any(force.velocity_dependent for force in scenario.forces):
         decisions.append(Decision("no damping matrix", "no force depends on velocity"))
     decisions += _adaptive(scenario.numerics)
-    warnings = list(scene_doubts(scene, holds))
-    kernels, why = (kernels, "as in the resumed run") if kernels else _kernels(scene, warnings)
-    decisions.append(Decision(f"kernels by {kernels}", why))
-    return Plan(axes, bending, static, kernels, tuple(decisions), tuple(warnings))
+    return Plan(axes, bending, static, tuple(decisions), tuple(scene_doubts(scene, holds)))
 
 
 def _adaptive(numerics: Numerics) -> Iterator[Decision]:
@@ -277,28 +268,3 @@ def _hung(geometry: Geometry) -> tuple[IntArray, IntArray]:
     places = np.zeros(int(hung.max(initial=-1)) + 1, dtype=np.int64)
     places[hung] = geometry.edges
     return hung, places
-
-
-def _kernels(scene: Scene, warnings: list[str]) -> tuple[str, str]:
-    numerics, geometry = scene.scenario.numerics, scene.geometry
-    if numerics.kernels == "numba":
-        if fault := numba_fault():
-            raise scene.error(("numerics", "kernels"), f"numba {fault.text}")
-        return "numba", "asked for"
-    if numerics.kernels == "numpy":
-        return "numpy", "asked for"
-    steps = (
-        numerics.integrator.steps
-        if isinstance(numerics.integrator, Static)
-        else _ADAPTIVE_STEPS
-        if numerics.adapts
-        else (numerics.t_end or 0.0) / (numerics.dt or 1.0)
-    )
-    work = 4.0 * steps * (len(geometry.edges) + _TRIANGLE * len(geometry.triangles) + 150)
-    if work < _COMPILE_WORTH:
-        return "numpy", "the run is shorter than compiling the kernels"
-    if fault := numba_fault():
-        if fault.broken:
-            warnings.append(f"the run is slower without compiled kernels: numba {fault.text}")
-        return "numpy", f"numba {fault.text}"
-    return "numba", "the run is long enough to repay compiling"

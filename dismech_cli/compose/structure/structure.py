@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -60,6 +60,11 @@ class Structure:
     def frames(self) -> Frames:
         """Frames of the whole scene, no more than it has."""
         return self.normals if len(self.shell_edges.edges) else self.rod_frames
+
+    def run_by(self, driver: Driver) -> Structure:
+        """The same with frames that another driver carries."""
+        rods = self.rod_frames.run_by(driver)
+        return replace(self, rod_frames=rods, normals=self.normals.run_by(driver), driver=driver)
 
 
 def make_structure(scene: Scene, holds: tuple[Hold, ...], plan: Plan) -> Structure:

@@ -173,7 +173,11 @@ class Numerics(Spec):
         default="auto", description="Linear solver; `auto` takes the fastest for the model."
     )
     kernels: Literal["auto", "numpy", "numba"] = Field(
-        default="auto", description="How the kernels run; `auto` takes numba where it is installed."
+        default="auto",
+        description="How the kernels run, which changes the last digits alone. `auto` takes numba where it "
+        "is installed and saves more than it takes to load and, if need be, to compile: once a kernel is "
+        "compiled a run may end with other last digits than one before. `dismech check` and the manifest say "
+        "what is taken and why, and a resumed run keeps it.",
     )
 
     @property

@@ -33,7 +33,7 @@ class Compared:
         runs: Both.
         times: How many times both have.
         differences: Of each quantity that both have.
-        notes: What could not be compared.
+        notes: What could not be compared, or differs for reasons other than the scenarios.
         faults: What makes them different whatever the numbers say.
     """
 
@@ -63,7 +63,7 @@ def compare(first: Path, second: Path, allowed: Sequence[str]) -> Compared:
         OutputError: One cannot be read.
     """
     with read(first) as a, read(second) as b:
-        notes: list[str] = []
+        notes: list[str] = list(_kernels(a, b))
         measured: list[Measured] = []
         if all((run.path / RUN_FILE).is_file() for run in (a, b)):
             _refuse_other_mesh(a, b)
@@ -121,6 +121,16 @@ def _shared(mine: FloatArray, theirs: FloatArray) -> IntArray:
 def _unshared(what: str, mine: FloatArray, theirs: FloatArray, pairs: IntArray) -> Iterator[str]:
     if len(pairs) < max(len(mine), len(theirs)):
         yield f"{len(pairs)} times are shared by {len(mine)} and {len(theirs)} {what}; others are left out"
+
+
+def _kernels(a: Run, b: Run) -> Iterator[str]:
+    """The same scene may run on other kernels once these are compiled."""
+    one, two = a.manifest.kernels, b.manifest.kernels
+    if one and two and one != two:
+        yield (
+            f"kernels by {one} in {a.path} and by {two} in {b.path}: the last digits differ, and more where "
+            "motion is chaotic; numerics.kernels pins them"
+        )
 
 
 def _ends(a: Run, b: Run) -> Iterator[str]:

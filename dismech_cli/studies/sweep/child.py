@@ -15,6 +15,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Final
 
+from ...compose.structure.kernels import among_many
 from ...errors import DismechError, OutputError
 from ...output.durable import output_errors
 from ...output.jsonable import Json, dumps
@@ -124,6 +125,7 @@ def _result(task: Task, work: Work) -> Result | None:
                 overwrite=False,
                 draw=False,
                 pause=Pause(None, task.limit, 60.0),
+                repays=among_many,
             ),
             Silent(),
         )
