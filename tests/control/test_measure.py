@@ -10,6 +10,7 @@ from numpy.testing import assert_allclose
 
 from dismech_cli.arrays import FloatArray
 from dismech_cli.compose.compose import _driven, compose
+from dismech_cli.compose.elastic.elastic import make_passive
 from dismech_cli.compose.scene import make_scene
 from dismech_cli.compose.structure.holds import resolve_holds
 from dismech_cli.compose.structure.plan import make_plan
@@ -36,7 +37,8 @@ def read(body: dict[str, Any], sensor: dict[str, Any], **keys: Any) -> tuple[Str
     scene = make_scene(load_mapping(deck))
     holds = resolve_holds(scene)
     structure = make_structure(scene, holds, make_plan(scene, holds))
-    return structure, _driven(scene, structure, NONE)[0].readings["s"]
+    passive = make_passive(scene, structure)
+    return structure, _driven(scene, structure, passive, NONE)[0].readings["s"]
 
 
 def at(structure: Structure, nodes: FloatArray, theta: FloatArray | None = None) -> State:

@@ -23,6 +23,7 @@ from dismech_cli.errors import (
     SolverError,
     UnfinishedError,
 )
+from dismech_cli.output.manifest import load_manifest
 from dismech_cli.run.sink import Progress
 from dismech_cli.session.exit_codes import Exit
 from dismech_cli.session.narrator import Silent
@@ -298,3 +299,13 @@ def test_a_library_loaded_during_the_run_is_limited_too(two_threads, monkeypatch
         limits.progress(step)
         assert set(threads().values()) == {1}
     assert set(threads().values()) == {2}
+
+
+def test_the_scenario_in_a_run_directory_names_the_kernels(swing, tmp_path):
+    """Run again it gives the same digits, whatever has been compiled since."""
+    overrides = ("numerics.kernels=auto", *SHORT)
+    report = simulate(swing / "swing.yaml", overrides=overrides, out=tmp_path / "out")
+    manifest = load_manifest(tmp_path / "out")
+    assert manifest.kernels == report.composition.plan.kernels == "numpy"
+    again = load(tmp_path / "out" / "scenario.resolved.yaml")
+    assert again.scenario.numerics.kernels == "numpy"

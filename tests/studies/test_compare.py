@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import h5py
@@ -15,6 +16,7 @@ from numpy.testing import assert_allclose
 
 from dismech_cli.cli.result_schema import COMPARE
 from dismech_cli.errors import ScenarioError
+from dismech_cli.output.manifest import load_manifest
 from dismech_cli.studies.compare.compare import compare
 from dismech_cli.studies.compare.tolerances import Tolerance, tolerances
 
@@ -160,3 +162,16 @@ def test_later_tolerances_win():
 def test_what_is_no_tolerance(text, told):
     with pytest.raises(ScenarioError, match=told):
         tolerances([text], UNITS)
+
+
+def test_other_kernels_are_told(runs):
+    """They explain last digits that differ; the runs are none the less the same."""
+    a, b = runs
+    assert compare(a, b, ()).notes == ()
+    manifest = load_manifest(b)
+    assert manifest.kernels == "numpy"
+    replace(manifest, kernels="numba").save(b)
+    compared = compare(a, b, ())
+    (note,) = compared.notes
+    assert "kernels by numpy in" in note
+    assert compared.code == 0
