@@ -23,6 +23,7 @@ class Status(Enum):
     )
 
     AMBIGUOUS = "the step has more than one solution, as where something buckles: reduce numerics.dt"
+    UNSETTLED = "bodies stay deeper in each other than they may: reduce numerics.dt"
     BRANCHED = "another branch of equilibria leaves the path within the step"
     TURNED = "the path of equilibria turns within the step: reduce numerics.integrator.path.largest"
 

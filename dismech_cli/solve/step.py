@@ -38,6 +38,7 @@ class StepResult:
         indefinite: Whether the tangent of a stage is known to have a negative eigenvalue at its solution.
         arrived: Whether this is where a path was to end.
         put_in: Energy [J] that came from nothing moving: contact that was made stiffer.
+        unsettled: Whether what comes and goes asked for the step once more, and that failed.
         trail: State that the step started from, and that at the end of each stage.
     """
 
@@ -50,6 +51,7 @@ class StepResult:
     indefinite: bool = False
     arrived: bool = False
     put_in: float = 0.0
+    unsettled: bool = False
     trail: tuple[State, ...] = ()
 
 
@@ -171,9 +173,12 @@ class Stepper:
         elsewhere too. So does a tangent that is not positive
         definite at the solution: it is one of several, among them the motion that a step too long for
         something that buckles strides over. Short steps have one solution. Statics has no such steps:
-        there an unstable balance is one.
+        there an unstable balance is one. What stays deeper in something than it may is held more easily in
+        a shorter step.
         """
         result = self._advanced(start, dt, self._hasty)
+        if result.unsettled:
+            return replace(result, state=start, status=Status.UNSETTLED)
         if result.indefinite and self._moves:
             return replace(result, state=start, status=Status.AMBIGUOUS)
         return result
@@ -195,11 +200,13 @@ class Stepper:
         result = self._advance(self, start, dt, settings)
         spent = result.iterations
         while result.status is Status.CONVERGED and not system.settle(result.state):
-            again = self._advance(self, start, dt, settings)
+            # worth all patience: what fails now ends a promise
+            again = self._advance(self, start, dt, self._settings)
             spent += again.iterations
             if again.status is not Status.CONVERGED:
-                # better too deep than nowhere: the run says so
+                # better unsettled than nowhere, if no shorter step helps
                 system.take_back()
+                result = replace(result, unsettled=True)
                 break
             result = again
         if result.status is not Status.CONVERGED:
