@@ -45,7 +45,7 @@ class Facing:
         nodes = faces.nodes(pairs)
         kind = _kinds(faces, pairs[:, 1])
         numbers = pairs[:, 0] * (int(kind.max(initial=0)) + 1) + kind
-        junctions = Junctions.of(numbers, nodes[:, :2], nodes[:, 2:])
+        junctions = Junctions.of(numbers, nodes[:, :2], nodes[:, 2:], _levels(faces, pairs[:, 1]))
         return cls(faces, keys, pairs, nodes, junctions)
 
     def points(
@@ -78,16 +78,20 @@ class Facing:
 
 
 def _kinds(faces: Faces, triangles: IntArray) -> IntArray:
-    """Numbers of triangles, the same for those that any line faces at one distance and stiffness, shape (P,).
+    """Numbers of triangles, the same for those that any line faces at one stiffness, shape (P,).
 
-    Only what is alike cancels where triangles meet. Shells and parts of them that differ have a rim each
-    where they meet: a line feels both within reach of it, and its forces stay those of an energy.
+    Only what is alike cancels where triangles meet. Shells that differ have a rim each where they meet: a
+    line feels both within reach of it, and its forces stay those of an energy.
     """
     scale = np.abs(faces.stiffness).max(axis=1, initial=0.0, keepdims=True)
     stiffness = np.round(faces.stiffness / np.maximum(scale, np.finfo(float).tiny), _DIGITS)
     _, body = np.unique(stiffness.T, axis=0, return_inverse=True)
+    return body.reshape(-1)[faces.surface.bodies[triangles]]
+
+
+def _levels(faces: Faces, triangles: IntArray) -> IntArray:
+    """Ranks of the thickness of triangles, shape (P,)."""
     halves = faces.surface.halves
     steps = np.round(halves[triangles] / halves.max() * 10.0**_DIGITS).astype(np.int64)
-    both = body.reshape(-1)[faces.surface.bodies[triangles]] * 10 ** (_DIGITS + 1) + steps
-    _, kind = np.unique(both, return_inverse=True)
-    return kind.reshape(-1)
+    _, level = np.unique(steps, return_inverse=True)
+    return level.reshape(-1)

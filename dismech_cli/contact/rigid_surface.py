@@ -92,7 +92,7 @@ class RigidSurface:
         lines, faced = pairs[rows].T
         found = [_on_lines(some.fixed(), lines, np.ones(len(lines)), reach, factor)]
         nowhere = np.zeros((len(lines), 2), dtype=np.int64)
-        junctions = Junctions.of(lines, nowhere, self.triangles[faced])
+        junctions = Junctions.of(lines, nowhere, self.triangles[faced], np.zeros_like(lines))
         found += self._taken_off(junctions, lines, start, slope, reach, factor)
         return Points(*(np.concatenate([getattr(one, f.name) for one in found], axis=-1) for f in _FIELDS))
 

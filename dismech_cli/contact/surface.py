@@ -34,12 +34,20 @@ class Junctions:
     sides gone a corner of n triangles must be left once. Both follow from the triangles that are there, so
     that a surface may end, branch, or have parts that the line does not face.
 
+    Triangles that are faced at several distances are layers: the whole surface at the least of them, and on
+    top of that, at each next one, what is thicker. Every layer is a surface with junctions of its own. So a
+    side of two triangles is taken off at the lesser distance: thin parts feel the rim of thick ones, nothing
+    is counted twice, and nothing jumps. Sides and corners stand here once for each such level.
+
     Attributes:
         sides: Lines and the two ends of a side, as nodes, shape (S, 4).
         corners: Lines and a corner, as nodes, shape (C, 3).
-        sides_of: Side of each of the pairs of line and triangle, -1 if it is no junction, shape (P, 3).
+        sides_of: Side at the level of each of the pairs of line and triangle, -1 if it is no junction,
+            shape (P, 3).
         corners_of: Corners likewise, shape (P, 3).
         ends: Corners of each side, shape (S, 2).
+        sides_until: Where the levels of each side end, which ascend, shape (S,).
+        corners_until: The same of corners, shape (C,).
     """
 
     sides: IntArray
@@ -47,30 +55,35 @@ class Junctions:
     sides_of: IntArray
     corners_of: IntArray
     ends: IntArray
+    sides_until: IntArray
+    corners_until: IntArray
 
     @classmethod
-    def of(cls, numbers: IntArray, line_nodes: IntArray, triangles: IntArray) -> Junctions:
+    def of(cls, numbers: IntArray, line_nodes: IntArray, triangles: IntArray, levels: IntArray) -> Junctions:
         """Of pairs of a line and a triangle.
 
         Args:
             numbers: Of the line of each pair, shape (P,).
             line_nodes: Its ends, shape (P, 2).
             triangles: Corners, shape (P, 3).
+            levels: Rank of the distance at which it faces the triangle, from 0, shape (P,).
         """
         count = int(triangles.max(initial=0)) + 1
-        corner_keys = numbers[:, None] * count + triangles
         following = np.roll(triangles, -1, axis=1)
         low, high = np.minimum(triangles, following), np.maximum(triangles, following)
-        side_keys = (numbers[:, None] * count + low) * count + high
-        corners_of, corner, whose = _shared(corner_keys)
-        sides_of, side, owner = _shared(side_keys)
-        line, low, high = side // count // count, side // count % count, side % count
+        corners_of, corner, corners_until = _shared(numbers[:, None] * count + triangles, levels)
+        sides_of, side, sides_until = _shared((numbers[:, None] * count + low) * count + high, levels)
+        (pair, k), (whose, at) = np.divmod(side, 3), np.divmod(corner, 3)
+        ends = np.column_stack((corners_of[pair, k], corners_of[pair, (k + 1) % 3]))
+        ends = np.where((triangles[pair, k] == low[pair, k])[:, None], ends, ends[:, ::-1])
         return cls(
-            sides=np.column_stack((line_nodes[owner], low, high)),
-            corners=np.column_stack((line_nodes[whose], corner % count)),
+            sides=np.column_stack((line_nodes[pair], low[pair, k], high[pair, k])),
+            corners=np.column_stack((line_nodes[whose], triangles[whose, at])),
             sides_of=sides_of,
             corners_of=corners_of,
-            ends=np.searchsorted(corner, np.column_stack((line * count + low, line * count + high))),
+            ends=ends,
+            sides_until=sides_until,
+            corners_until=corners_until,
         )
 
     def coefficients(self, rows: IntArray) -> tuple[FloatArray, FloatArray]:
@@ -78,9 +91,13 @@ class Junctions:
         of_side, of_corner = self.sides_of[rows], self.corners_of[rows]
         m = np.bincount(of_side[of_side >= 0], minlength=len(self.sides))
         n = np.bincount(of_corner[of_corner >= 0], minlength=len(self.corners))
-        over = np.maximum(m - 1, 0)
+        over = np.maximum(_from_here_on(m, self.sides_until) - 1, 0)
+        # a layer without that of the next one, which is felt farther away
+        over = over - _of_next(over, self.sides_until)
         off = np.bincount(self.ends.reshape(-1), weights=np.repeat(over, 2), minlength=len(self.corners))
-        return -over.astype(np.float64), np.where(n > 0, 1.0 - n + off, 0.0)
+        thickest = (n > 0) & (_of_next(_from_here_on(n, self.corners_until), self.corners_until) == 0)
+        left = np.where(thickest, 1.0, 0.0) - n + off
+        return -over.astype(np.float64), left.astype(np.float64)
 
 
 @dataclass(frozen=True, slots=True)
@@ -147,11 +164,40 @@ def owners(of: IntArray, rows: IntArray, count: int) -> IntArray:
     return out
 
 
-def _shared(keys: IntArray) -> tuple[IntArray, IntArray, IntArray]:
-    """Numbers of keys (P, 3) that come twice or more, else -1; these keys, and a pair that has each."""
+def _shared(keys: IntArray, levels: IntArray) -> tuple[IntArray, IntArray, IntArray]:
+    """What comes twice or more among keys (P, 3) of pairs at some levels (P,), each once for every level.
+
+    Returns:
+        Their numbers, else -1, shape (P, 3); of each where in ``keys`` it comes first, and where the levels
+        of its key end, shapes (K,).
+    """
+    depth = int(levels.max(initial=0)) + 1
+    if depth > 1:
+        # as small as may be, so that a level fits beside it
+        _, ranks = np.unique(keys, return_inverse=True)
+        keys = ranks.reshape(keys.shape) * depth + levels[:, None]
     every, first, of, times = np.unique(
         keys.reshape(-1), return_index=True, return_inverse=True, return_counts=True
     )
-    double = times >= 2
+    _, begins, group, sizes = np.unique(
+        every // depth, return_index=True, return_inverse=True, return_counts=True
+    )
+    double = np.bincount(group, times)[group] >= 2
     place = np.where(double, np.cumsum(double) - 1, -1)
-    return place[of.reshape(keys.shape)], every[double], first[double] // 3
+    kept = np.flatnonzero(double)
+    ends = np.append(0, np.cumsum(double))[(begins + sizes)[group]]
+    return place[of.reshape(keys.shape)], first[kept], ends[kept]
+
+
+def _from_here_on(values: IntArray, until: IntArray) -> IntArray:
+    """Sums of values (K,) over each level and those above it."""
+    sums = np.append(np.cumsum(values[::-1])[::-1], 0)
+    out: IntArray = sums[:-1] - sums[until]
+    return out
+
+
+def _of_next(values: IntArray, until: IntArray) -> IntArray:
+    """The value (K,) of the next level of each, 0 where there is none."""
+    following = np.arange(1, len(values) + 1)
+    out: IntArray = np.where(following < until, np.append(values, 0)[following], 0)
+    return out

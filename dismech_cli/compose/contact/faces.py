@@ -10,17 +10,11 @@ from ...contact.faces import Faces
 from ...contact.lines import Lines
 from ...contact.surface import Surface
 from ...contact.surface_exclusion import with_exclusions
-from ...mesh.topology.sides import shared_sides
 from ..bodies.geometry import Geometry
 from ..scene import Scene
 from ..structure.masses import nodal_mass
 from ..structure.structure import Structure
 from .pairs import Tables, body_pairs
-
-# Thickness that varies no more than this is that of a file written in single precision.
-_EVEN = 1e-6
-# Of the sides within a shell at most this share may be steps of thickness.
-_STEPS = 0.3
 
 
 def make_faces(
@@ -35,9 +29,6 @@ def make_faces(
         stiffness: Of each at factor one.
         sides: Lines that are the sides of each triangle, shape (T, 3).
         reach: Distance at which lines begin to push, as a share of that at which surfaces touch.
-
-    Raises:
-        ScenarioError: The thickness of one of these shells changes from triangle to triangle.
     """
     geometry = scene.geometry
     shells = np.array(geometry.shell_keys, dtype=np.int64)
@@ -49,7 +40,6 @@ def make_faces(
     if not pairs:
         return None
     tables = Tables.of(len(lines.names), pairs, geometry.shell_keys)
-    _check_even(scene, tables.labels)
     involved = np.flatnonzero((tables.labels >= 0).any(axis=1))
     mass = nodal_mass(geometry, len(structure.positions), structure.payload)
     bodies = shells[geometry.triangle_shell]
@@ -76,27 +66,6 @@ def make_faces(
     line_pairs = np.stack(np.divmod(near, len(lines.nodes)), axis=1)
     x = structure.dofs.space_positions(structure.rest)
     return with_exclusions(found, x, line_pairs, sides)
-
-
-def _check_even(scene: Scene, labels: IntArray) -> None:
-    """What a line faces is summed at one distance for triangles that are alike, each such part with a rim."""
-    contact = scene.scenario.contact
-    path = ("contact", "pairs") if contact is not None and contact.pairs is not None else ("contact",)
-    thickness, triangles = scene.geometry.per_triangle("thickness"), scene.geometry.triangles
-    for key, shell in zip(scene.geometry.shell_keys, scene.geometry.shells, strict=True):
-        if not (labels[:, key] >= 0).any():
-            continue
-        mine = scene.geometry.triangles_of(shell.name)
-        own = thickness[mine]
-        one, two = (own[half // 3] for half in shared_sides(triangles[mine]))
-        unlike = np.abs(one - two) > _EVEN * own.max()
-        if unlike.sum() > _STEPS * len(unlike):
-            raise scene.error(
-                path,
-                f"bodies may not touch '{shell.name}', whose thickness goes from {own.min():.3g} to "
-                f"{own.max():.3g} m from triangle to triangle; give it in a few steps, by groups, or give "
-                "`pairs` of it with obstacles only",
-            )
 
 
 def _stiffness(lines: Lines, stiffness: FloatArray, shells: IntArray) -> FloatArray:
