@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -52,6 +52,23 @@ class Friction:
     wall: Callable[[Wall], Source] = NearWall
 
 
+def along_lines(contact: Contact, driver: Driver) -> Iterator[Source]:
+    """What finds lines that touch obstacles and bodies, and what keeps things apart."""
+    wall = NearWall if contact.friction is None else contact.friction.wall
+    yield from (wall(one) for one in contact.walls)
+    # each search has loops of its own: what it found last stays until it looks again
+    searches = Searches()
+    if contact.neighbours is not None:
+        rods = Search(contact.neighbours, loops_of(driver))
+        searches = replace(searches, rods=rods)
+        yield RodPairs(rods)
+    if contact.faces is not None:
+        faces = FaceSearch(contact.faces, loops_of(driver))
+        searches = replace(searches, faces=faces)
+        yield SurfacePairs(faces)
+    yield from contact.guards.sources(searches, loops_of(driver))
+
+
 @dataclass(frozen=True, slots=True)
 class Contact:
     """Who may touch whom, how stiff and how rough; implements :class:`~dismech_cli.model.term.ChangingTerm`.
@@ -66,6 +83,7 @@ class Contact:
         friction: None where all is smooth.
         guards: What keeps things at a distance.
         pairs: Names of the pairs of bodies.
+        finding: Makes what finds who touches.
     """
 
     map: DofMap
@@ -77,6 +95,7 @@ class Contact:
     friction: Friction | None
     guards: Guarding
     pairs: tuple[tuple[str, str], ...]
+    finding: Callable[[Contact, Driver], Iterable[Source]] = along_lines
 
     @property
     def velocity_dependent(self) -> bool:
@@ -109,20 +128,8 @@ class Contacts:
         self._deepest = self._by_end = np.zeros(len(contact.lines.nodes))
         self._worst = self._worst_by_end = np.zeros(4)
         self._end = np.empty((0, 3))
-        # each has loops of its own: what it found last stays until it looks again
         rough = contact.friction
-        wall = NearWall if rough is None else rough.wall
-        self._sources: tuple[Source, ...] = tuple(wall(one) for one in contact.walls)
-        searches = Searches()
-        if contact.neighbours is not None:
-            rods = Search(contact.neighbours, loops_of(driver))
-            searches = replace(searches, rods=rods)
-            self._sources = (*self._sources, RodPairs(rods))
-        if contact.faces is not None:
-            faces = FaceSearch(contact.faces, loops_of(driver))
-            searches = replace(searches, faces=faces)
-            self._sources = (*self._sources, SurfacePairs(faces))
-        self._sources = (*self._sources, *contact.guards.sources(searches, self.loops))
+        self._sources = tuple(contact.finding(contact, driver))
         self.couplings: tuple[Coupling, ...] = ()
         self._list()
         self._at: Configuration | None = None

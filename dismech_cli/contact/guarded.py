@@ -66,6 +66,9 @@ class Pairing(Protocol):
     def distances(self, x: FloatArray, keys: IntArray, loops: Loops) -> FloatArray:
         """Distances at nodes (N, 3) [m], shape (K,)."""
 
+    def lines(self, keys: IntArray) -> IntArray:
+        """A line of the first of each pair, shape (K,)."""
+
     def closest(self, ends: FloatArray) -> Closest:
         """Closest points of pairs with nodes (4, 3, K) [m]."""
 
@@ -108,6 +111,10 @@ class RodEdges:
     def distances(self, x: FloatArray, keys: IntArray, loops: Loops) -> FloatArray:
         """Distances of segments."""
         return loops.segment_distances(x, self.nodes(keys))
+
+    def lines(self, keys: IntArray) -> IntArray:
+        """The first line of each pair."""
+        return self.all.pairs(keys)[:, 0]
 
     def closest(self, ends: FloatArray) -> Closest:
         """Closest points of pairs."""
@@ -172,6 +179,10 @@ class SheetEdges:
     def distances(self, x: FloatArray, keys: IntArray, loops: Loops) -> FloatArray:
         """Distances of segments."""
         return loops.segment_distances(x, self.nodes(keys))
+
+    def lines(self, keys: IntArray) -> IntArray:
+        """The first line of each pair."""
+        return self._pairs(keys)[:, 0]
 
     def closest(self, ends: FloatArray) -> Closest:
         """Closest points of pairs."""
@@ -247,6 +258,10 @@ class SheetNodes:
         """Distances of nodes from triangles."""
         return loops.face_distances(x, self.spans(keys))
 
+    def lines(self, keys: IntArray) -> IntArray:
+        """A line of each node."""
+        return self.ends[self._pairs(keys)[0]]
+
     def closest(self, ends: FloatArray) -> Closest:
         """Closest points of pairs."""
         return closest_of_points(ends[0], ends[1:])
@@ -318,6 +333,10 @@ class Eased:
     def distances(self, x: FloatArray, keys: IntArray, loops: Loops) -> FloatArray:
         """Distances of pairs."""
         return self.all.distances(x, keys, loops)
+
+    def lines(self, keys: IntArray) -> IntArray:
+        """A line of the first of each pair."""
+        return self.all.lines(keys)
 
     def closest(self, ends: FloatArray) -> Closest:
         """Closest points of pairs."""

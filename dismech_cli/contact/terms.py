@@ -114,7 +114,7 @@ class _Friction:
 
     def forces(self, touching: Touching) -> FloatArray:
         """Friction at each point, against the motion of the line [N], shape (3, K)."""
-        return touching.points.friction(touching.friction, self._sharpness, touching.velocity)
+        return touching.rubbing.friction(touching.friction, self._sharpness, touching.velocity)
 
     def add_residual(self, c: Configuration, r: FloatArray) -> None:
         """Subtract the force."""
@@ -138,7 +138,7 @@ class _Friction:
         return bool((turned & (touching.points.load > 0.0) & (touching.friction > 0.0)).any())
 
     def _tangents(self, touching: Touching) -> tuple[FloatArray, FloatArray]:
-        return touching.points.friction_tangents(touching.friction, self._sharpness, touching.velocity)
+        return touching.rubbing.friction_tangents(touching.friction, self._sharpness, touching.velocity)
 
 
 class SymmetricFriction(_Friction):

@@ -577,8 +577,25 @@ def kept_by(core: str, pairings: int, walls: int) -> Rare:
     return Rare(deck, keeps, choices=frozenset({("core", core)}))
 
 
+def lagging() -> Rare:
+    """Friction by the normal force at the end of the last step, under the family's law of pairs."""
+
+    def keeps(composition: Composition) -> None:
+        (contact,) = composition.simulation.model.changing
+        assert isinstance(contact, Contact)
+        (floor,) = contact.finding(contact, NumpyDriver())
+        x = contact.map.space_positions(composition.simulation.model.rest)
+        floor.depths(x, 0.0)
+        assert "contact.lagged.floor" in floor.memory(x)
+
+    deck = on_floor()
+    deck["contact"]["law"] = {"type": "compat", "stiffness": 1e3, "width": 5e-3, "normal_force": "lagged"}
+    return Rare(deck, keeps, choices=frozenset({("normal_force", "lagged")}))
+
+
 RARE: dict[str, Rare] = {
     **CONTROL,
+    "lagged": lagging(),
     "core on": kept_by("on", 1, 1),
     "core off": kept_by("off", 0, 0),
     **LAWS,

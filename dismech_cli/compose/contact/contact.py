@@ -8,17 +8,18 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...contact.anchored_wall import AnchoredWall
-from ...contact.contact import Contact, Friction
+from ...contact.contact import Contact, Friction, along_lines
 from ...contact.lines import Lines
 from ...contact.stiffness import Given, Rule, Tolerant
 from ...contact.terms import AnchoredFriction, FullFriction, SymmetricFriction
 from ...contact.walls import Wall
+from ...scenario.language.contact import CompatLaw, Law, PenaltyLaw
 from ...scenario.language.contact import Contact as ContactSpec
-from ...scenario.language.contact import Law, PenaltyLaw
 from ..scene import Scene
 from ..structure.structure import Structure
 from ..touching import named_pairs
 from .faces import make_faces, sides_of_triangles
+from .family import Family
 from .guards import make_guards
 from .lines import make_lines
 from .neighbours import make_neighbours
@@ -46,6 +47,7 @@ def make_contact(scene: Scene, structure: Structure) -> Contact:
     walls = tuple(_walls(scene, structure, lines, stiffness, wall_pairs(scene.scenario)))
     neighbours = make_neighbours(scene, structure, lines, stiffness)
     sides = sides_of_triangles(scene.geometry, lines)
+    finding = along_lines if not isinstance(spec.law, CompatLaw) else Family(spec.law, sides)
     faces = make_faces(scene, structure, lines, stiffness, sides, reach)
     return Contact(
         map=structure.dofs,
@@ -59,13 +61,14 @@ def make_contact(scene: Scene, structure: Structure) -> Contact:
             spec.law, walls, neighbours, faces, sides, structure.dofs.space_positions(structure.rest)
         ),
         pairs=tuple(named_pairs(scene.scenario)),
+        finding=finding,
     )
 
 
 def _hardness(law: Law, lines: Lines) -> tuple[Rule, FloatArray]:
     """The rule, and the stiffness of each line at factor one: that which carries its weight."""
     match law:
-        case PenaltyLaw(stiffness=float() as given):
+        case PenaltyLaw(stiffness=float() as given) | CompatLaw(stiffness=given):
             return Given(), np.full(len(lines.nodes), given)
         case _:
             allowed = law.allowed

@@ -13,7 +13,7 @@ from ...contact.guarded import Pairing, RodEdges, SheetEdges, SheetNodes, eased
 from ...contact.guarding import Guarding
 from ...contact.neighbours import Neighbours
 from ...contact.walls import Wall
-from ...scenario.language.contact import BarrierLaw, Law, PenaltyLaw
+from ...scenario.language.contact import BarrierLaw, CompatLaw, Law, PenaltyLaw
 
 # The core of soft contact: nothing comes nearer than half the distance at which things touch.
 _CORE = Stop(0.5, 0.75)
@@ -37,8 +37,7 @@ def make_guards(
         sides: Lines that are the sides of each triangle, shape (T, 3).
         x: Where nodes start (N, 3) [m].
     """
-    sheets = tuple(_sheets(faces, sides)) if faces is not None else ()
-    rods = (RodEdges(neighbours),) if neighbours is not None else ()
+    rods, sheets = pairings(neighbours, faces, sides)
     match law:
         case BarrierLaw():
             # as shares of the distance at which lines begin to push
@@ -48,8 +47,16 @@ def make_guards(
             return _core((*rods, *sheets), walls, x)
         case PenaltyLaw(core="auto"):
             return _core(sheets, (), x)
-        case PenaltyLaw():
+        case PenaltyLaw() | CompatLaw():
             return Guarding((), (), _CORE)
+
+
+def pairings(
+    neighbours: Neighbours | None, faces: Faces | None, sides: IntArray
+) -> tuple[tuple[Pairing, ...], tuple[Pairing, ...]]:
+    """All pairs of edges of rods, and those of edges, nodes and triangles with shells."""
+    rods = (RodEdges(neighbours),) if neighbours is not None else ()
+    return rods, tuple(_sheets(faces, sides)) if faces is not None else ()
 
 
 def _core(pairings: tuple[Pairing, ...], walls: tuple[Wall, ...], x: FloatArray) -> Guarding:

@@ -16,7 +16,7 @@ from ...kinematics.strains import joint_angles
 from ...mesh.topology.rods import ChainKind, chains, rod_stencils
 from ...run.adaptive import RTOL
 from ...scenario.language.actuation import CurvatureActuation, TwistActuation
-from ...scenario.language.contact import BarrierLaw, PenaltyLaw
+from ...scenario.language.contact import BarrierLaw, CompatLaw, PenaltyLaw
 from ...scenario.language.force import Distributed, Point
 from ...scenario.language.motion import Twist
 from ...scenario.language.numerics import GeneralizedAlpha, Numerics, Static
@@ -137,6 +137,12 @@ def _contact(scenario: Scenario) -> Iterator[Decision]:
                 what,
                 f"never nearer than {stop:.3g} of the thickness: forces from {stop + gap:.3g} of it on, and "
                 "a barrier in the inner half of that gap",
+            )
+        case CompatLaw(stiffness=given, width=width):
+            yield Decision(
+                what,
+                f"by the family's law of pairs, {given:g} N/m each from {width:g} m before touching on: the "
+                "force depends on the mesh",
             )
         case PenaltyLaw(stiffness=float() as given):
             yield Decision(what, f"as stiff as given, {given:g} Pa, however deep bodies then come")

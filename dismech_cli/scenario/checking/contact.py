@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ...words import hint
-from ..language.contact import BarrierLaw, Contact, PenaltyLaw
+from ..language.contact import BarrierLaw, CompatLaw, Contact, PenaltyLaw
 from ..language.numerics import GeneralizedAlpha, ImplicitEuler, ImplicitMidpoint, Integrator, Newmark, Static
 from ..language.obstacle import PlaneObstacle
 from ..language.probe import ContactProbe
@@ -35,13 +35,21 @@ def contact_findings(scenario: Scenario) -> Iterator[Finding]:
                 "balances within the step: its end may lie nearer than a barrier allows; take "
                 "generalized_alpha with spectral_radius: 0, implicit_euler, tr_bdf2 or newmark",
             )
+        case CompatLaw(normal_force=normal):
+            for i, one in enumerate(scenario.obstacles):
+                if not isinstance(one, PlaneObstacle):
+                    yield ("obstacles", i, "type"), "the law `compat` knows planes only; take type: penalty"
+            if normal == "lagged" and scenario.contact.friction is None:
+                yield ("contact", "law", "normal_force"), "needs `contact.friction`, which goes by it"
+        case _:
+            pass
     friction, law = scenario.contact.friction, scenario.contact.law
     if friction is not None and friction.stick == "anchored":
         path = ("contact", "friction", "stick")
         if any(other not in {one.name for one in scenario.obstacles} for other in _seconds(scenario)):
             yield path, "anchors hold on obstacles only; give `pairs` of bodies with obstacles alone"
-        if isinstance(law, BarrierLaw) or law.core == "on":
-            yield path, "anchors know no barrier; take type: penalty with core: auto"
+        if not isinstance(law, PenaltyLaw) or law.core == "on":
+            yield path, "anchors know soft contact alone; take type: penalty with core: auto"
     if isinstance(scenario.numerics.integrator, Static) and _rubs(scenario.contact):
         yield ("contact", "friction"), "nothing slips in a static run: friction would do nothing"
 

@@ -94,7 +94,34 @@ class BarrierLaw(Spec):
         return 0.25 * self.gap / self.reach
 
 
-Law: TypeAlias = Annotated[PenaltyLaw | BarrierLaw, Field(discriminator="type")]
+class CompatLaw(Spec):
+    """The law of the DisMech family, to compare with its data.
+
+    Every pair of edges, of nodes and triangles, and of nodes and planes has a force of its own, so that it
+    depends on the mesh. A family that scales lengths by h and has an energy k_c in joules has k = k_c / h^2.
+    """
+
+    type: Literal["compat"] = Field(description="Kind of law.")
+    stiffness: Annotated[float, Quantity("force per length", gt=0)] = Field(
+        description="k of each pair: a force 2 k times the depth."
+    )
+    width: Annotated[float, Quantity("length", gt=0)] = Field(
+        description="Distance before touching at which the force sets in (delta); deeper than as much it is "
+        "all but linear."
+    )
+    normal_force: Literal["implicit", "lagged"] = Field(
+        default="implicit",
+        description="What friction goes by: the normal force of the moment, or that at the end of the last "
+        "step, which errs by as much as it changes in a step.",
+    )
+
+    @property
+    def reach(self) -> float:
+        """Distance at which surfaces touch."""
+        return 1.0
+
+
+Law: TypeAlias = Annotated[PenaltyLaw | BarrierLaw | CompatLaw, Field(discriminator="type")]
 
 
 class FrictionLaw(Spec):
