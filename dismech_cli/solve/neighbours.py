@@ -181,7 +181,7 @@ class ParameterSlope:
     def of_holds(
         self, held: IntArray, t: float, since: Since, dq: FloatArray, turns: Sequence[FloatArray]
     ) -> FloatArray:
-        """Derivative of where held DOFs are at ``t`` [s], shape (K,).
+        """Derivative of where held DOFs are at ``t`` [s], where the parameter moves them, shape (K,).
 
         Args:
             held: The DOFs.
@@ -190,8 +190,6 @@ class ParameterSlope:
             dq: Derivative of that, shape (n,).
             turns: That of its frames, shape (E,) for each kind of edges.
         """
-        if not self.moves:
-            return dq[held]
         values = []
         for offset, model in zip(self._near.difference.offsets, self._near.models, strict=True):
             step = offset * self._near.step

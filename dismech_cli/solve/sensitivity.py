@@ -232,10 +232,12 @@ def _through(
         b += slopes.by_velocity(maps.v0 + w.v * y)
     x = np.zeros_like(y)
     if held.dofs.size:
+        x[held.dofs] = latest.q[held.dofs]
         since = Since(solved.since, solved.before, solved.stored)
         for k, one in enumerate(model.parameters):
-            turned = [turn[:, k] for turn in latest.turns]
-            x[held.dofs, k] = one.of_holds(held.dofs, stage.t_end, since, latest.q[:, k], turned)
+            if one.moves:
+                turned = [turn[:, k] for turn in latest.turns]
+                x[held.dofs, k] = one.of_holds(held.dofs, stage.t_end, since, latest.q[:, k], turned)
         x[held.dofs] -= y[held.dofs]
         if x.any():
             b += held.balance.times(x)

@@ -112,20 +112,35 @@ def sheet(bending: str, numerics: Deck = ALPHA, **keys: Any) -> Deck:
             "divisions": 2,
         },
     } | keys
-    where: Deck = {"plane": {"point": [0, 0, 0], "normal": [1, 0, 0], "within": 2e-3}}
-    return scene(geometry=[body], motions=[{"type": "clamp", "where": where}], numerics=numerics)
+    return scene(geometry=[body], motions=[_wall(numerics)], numerics=numerics)
 
 
-def hybrid() -> Deck:
-    """A flag with free normals whose pole is a rod that twists."""
-    flag = sheet("midedge")["geometry"][0]
+def _wall(numerics: Deck) -> Deck:
+    """A clamp of a side; in statics of its triangles too, about which they would be free to turn."""
+    within = 0.055 if numerics is STATIC else 2e-3
+    return {"type": "clamp", "where": {"plane": {"point": [0, 0, 0], "normal": [1, 0, 0], "within": within}}}
+
+
+def isotropic(numerics: Deck = ALPHA) -> Deck:
+    """A straight arm that is thrown sideways and sags."""
+    aside: Deck = {"type": "point", "where": "arm.end", "force": [0, {"table": [[0, 0.0], [0.1, 0.02]]}, 0]}
+    drag: Deck = {"type": "viscous", "coefficient": 0.3}
+    still = numerics["integrator"]["type"] == "static"
+    return scene(forces=[DOWN, aside] if still else [DOWN, aside, drag], numerics=numerics)
+
+
+def hybrid(bending: str = "midedge", numerics: Deck = ALPHA) -> Deck:
+    """A flag whose pole is a rod that twists."""
+    flag = sheet(bending)["geometry"][0]
     pole = arm(
         generate={"shape": "line", "from": [0.1, 0, 0], "to": [0.25, 0.02, 0.1], "nodes": 5},
         bending="framed",
     )
-    where: Deck = {"plane": {"point": [0, 0, 0], "normal": [1, 0, 0], "within": 2e-3}}
     joints: list[Deck] = [{"type": "auto"}]
-    return scene(geometry=[flag, pole], joints=joints, motions=[{"type": "clamp", "where": where}])
+    motions = [_wall(numerics)]
+    if numerics is STATIC:  # the pole would turn about where it meets the flag
+        motions.append({"type": "clamp", "where": "arm.end"})
+    return scene(geometry=[flag, pole], joints=joints, motions=motions, numerics=numerics)
 
 
 @dataclass(frozen=True)
