@@ -6,7 +6,6 @@ motion: the bare sum over the triangles of an open shell would depend on the ori
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,10 +24,12 @@ class EnclosedVolume:
         triangles: Corners, shape (T + K, 3): the shell's T, then one for each of K rim edges.
             Corners from N on are centroids of rims.
         corners: Corners from nodes, shape (N + rims, N): identity, then averages over rims.
+        shares: Sums over corners of what triangles give to them, shape (N + rims, 3 (T + K)).
     """
 
     triangles: IntArray
     corners: csr_matrix
+    shares: csr_matrix
 
     @classmethod
     def of(cls, n_nodes: int, triangles: IntArray) -> EnclosedVolume:
@@ -50,7 +51,8 @@ class EnclosedVolume:
         columns = np.concatenate((np.arange(n_nodes), nodes))
         weights = np.concatenate((np.ones(n_nodes), 1.0 / sizes[label[nodes]]))
         shape = (n_nodes + len(rims), n_nodes)
-        return cls(np.concatenate((triangles, fans)), csr_matrix((weights, (rows, columns)), shape=shape))
+        every = np.concatenate((triangles, fans))
+        return cls(every, csr_matrix((weights, (rows, columns)), shape=shape), _incidence(every, shape[0]))
 
     def value(self, positions: FloatArray) -> float:
         """Volume [m^3], positive where normals point outward.
@@ -58,7 +60,7 @@ class EnclosedVolume:
         Args:
             positions: Nodes [m], shape (N, 3).
         """
-        x0, x1, x2 = self._at(positions)
+        x0, x1, x2 = self._at(positions).transpose(1, 2, 0)
         return float(np.einsum("ti,ti->", x0, np.cross(x1, x2))) / 6.0
 
     def gradient(self, positions: FloatArray) -> FloatArray:
@@ -72,17 +74,28 @@ class EnclosedVolume:
         return self._to_nodes((_crossed(x, d) + _crossed(d, x)) / 6.0)
 
     def _to_nodes(self, shares: FloatArray) -> FloatArray:
-        """Sums of shares (T + K, 3, 3) of the corners, shape (N, 3)."""
-        out = np.zeros((self.corners.shape[0], 3))
-        np.add.at(out, self.triangles, shares)
-        return np.asarray(self.corners.T @ out)
+        """Sums of shares (3, 3 (T + K)) of the corners, shape (N, 3)."""
+        return np.asarray(self.corners.T @ (self.shares @ shares.T))
 
-    def _at(self, positions: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def _at(self, positions: FloatArray) -> FloatArray:
+        """Components of the corners, one corner of all triangles after the other, shape (3, 3, T + K)."""
         # far from the origin products of coordinates would cancel
         x = self.corners @ (positions - positions.mean(axis=0))
-        return x[self.triangles[:, 0]], x[self.triangles[:, 1]], x[self.triangles[:, 2]]
+        return np.ascontiguousarray(x.T)[:, self.triangles.T]
 
 
-def _crossed(a: Sequence[FloatArray], b: Sequence[FloatArray]) -> FloatArray:
-    """Of triangles with corners a and b: a1 x b2, a2 x b0, a0 x b1, shape (T, 3, 3)."""
-    return np.stack((np.cross(a[1], b[2]), np.cross(a[2], b[0]), np.cross(a[0], b[1])), axis=1)
+def _incidence(triangles: IntArray, corners: int) -> csr_matrix:
+    """Ones where a corner takes a share, in the order of the triangles, which is that of the sums."""
+    of = triangles.reshape(-1)
+    order = np.argsort(of, kind="stable")
+    triangle, corner = np.divmod(order, 3)
+    counts = np.bincount(of, minlength=corners)
+    starts = np.concatenate(([0], np.cumsum(counts)))
+    places = corner * len(triangles) + triangle
+    return csr_matrix((np.ones(len(of)), places, starts), shape=(corners, len(of)))
+
+
+def _crossed(a: FloatArray, b: FloatArray) -> FloatArray:
+    """Of triangles with corners a and b: a1 x b2, a2 x b0, a0 x b1, shape (3, 3 (T + K))."""
+    (x, y, z), (u, v, w) = a[:, [1, 2, 0]], b[:, [2, 0, 1]]
+    return np.stack((y * w - z * v, z * u - x * w, x * v - y * u)).reshape(3, -1)

@@ -49,25 +49,35 @@ class Thrust:
 
     def rate(self, c: Configuration) -> float:
         """dV/dt [m^3/s]."""
-        x = c.q[: self.n_positions].reshape(-1, 3)
-        v = c.v[: self.n_positions].reshape(-1, 3)
-        return self.sense * float(np.vdot(self.volume.gradient(x), v))
+        x, v = self._moving(c)
+        return self._rate(self.volume.gradient(x), v)
 
     def add_residual(self, c: Configuration, r: FloatArray) -> None:
         """Subtract the thrust."""
-        r[: self.n_positions] += min(self.rate(c), 0.0) * self.push.reshape(-1)
+        self._add(self.rate(c), r)
 
     def add_linearization(self, c: Configuration, into: Linearization) -> None:
         """Subtract the thrust and add its tangent."""
-        self.add_residual(c, into.residual)
-        if self.rate(c) < 0.0:
-            x = c.q[: self.n_positions].reshape(-1, 3)
-            v = c.v[: self.n_positions].reshape(-1, 3)
+        x, v = self._moving(c)
+        gradient = self.volume.gradient(x)
+        rate = self._rate(gradient, v)
+        self._add(rate, into.residual)
+        if rate < 0.0:
             column, by_q, by_v = (np.zeros_like(c.q) for _ in range(3))
             column[: self.n_positions] = self.push.reshape(-1)
             by_q[: self.n_positions] = self.sense * self.volume.gradient_change(x, v).reshape(-1)
-            by_v[: self.n_positions] = self.sense * self.volume.gradient(x).reshape(-1)
+            by_v[: self.n_positions] = self.sense * gradient.reshape(-1)
             into.rank_ones.append(RankOne(column, by_q, by_v))
+
+    def _moving(self, c: Configuration) -> tuple[FloatArray, FloatArray]:
+        """Nodes [m] and their velocities [m/s], each of shape (N, 3)."""
+        return c.q[: self.n_positions].reshape(-1, 3), c.v[: self.n_positions].reshape(-1, 3)
+
+    def _rate(self, gradient: FloatArray, v: FloatArray) -> float:
+        return self.sense * float(np.vdot(gradient, v))
+
+    def _add(self, rate: float, r: FloatArray) -> None:
+        r[: self.n_positions] += min(rate, 0.0) * self.push.reshape(-1)
 
 
 def thrust(
