@@ -6,17 +6,19 @@ the step: so actuated runs keep the order of their integrator, and nothing accum
 
 from __future__ import annotations
 
+from collections import deque
 from dataclasses import dataclass
-from typing import ClassVar
-
-import numpy as np
+from typing import ClassVar, Final
 
 from ..arrays import BoolArray, FloatArray, IntArray
 from ..kernels.driver import Driver
 from ..kernels.linearization import Coupling, Linearization, Pattern
-from ..laws.signal import NO_INPUTS, Signal
+from ..laws.signal import Signal
 from .configuration import Configuration
 from .stencil import BoundStencil, StencilEnergy
+
+# A stage within a step, and its ends.
+_REMEMBERED: Final = 3
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,7 +86,10 @@ class DrivenEnergy:
 
 
 class BoundDriven:
-    """A driven energy bound to a pattern; remembers the natural strain at the time and inputs last asked."""
+    """A driven energy bound to a pattern; remembers the natural strains at the times and inputs last asked.
+
+    Newton's method asks for those of a stage again and again, the energy account for both ends of a step.
+    """
 
     def __init__(self, term: DrivenEnergy, stencil: BoundStencil) -> None:
         self.name = term.name
@@ -92,15 +97,17 @@ class BoundDriven:
         self.steady = term.steady
         self._term = term
         self._stencil = stencil
-        self._time, self._inputs = np.nan, NO_INPUTS
+        self._known: deque[tuple[float, FloatArray, BoundStencil]] = deque(maxlen=_REMEMBERED)
 
     def at(self, c: Configuration) -> BoundStencil:
         """The energy with its natural strain at the time and the inputs of ``c``."""
-        # inputs are frozen: other values are another array
-        if c.t != self._time or c.inputs is not self._inputs:
-            self._stencil = self._stencil.actuated(self._term.natural_at(c.t, c.inputs))
-            self._time, self._inputs = c.t, c.inputs
-        return self._stencil
+        for t, inputs, stencil in self._known:
+            # inputs are frozen: other values are another array
+            if t == c.t and inputs is c.inputs:
+                return stencil
+        stencil = self._stencil.actuated(self._term.natural_at(c.t, c.inputs))
+        self._known.appendleft((c.t, c.inputs, stencil))
+        return stencil
 
     @property
     def potential(self) -> BoundDriven:
