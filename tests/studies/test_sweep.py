@@ -38,6 +38,43 @@ def swept(nursery: Nursery, arm: Path) -> Callable[..., Done]:
     return run
 
 
+PLUGIN = """\
+import numpy as np
+class Hold:
+    def __init__(self, most): self.most = most
+    def start(self, n): return {"taken": np.zeros(n)}
+    def sample(self, t, y, r, memory):
+        taken = memory["taken"] + 1.0
+        return np.full_like(taken, self.most), {"taken": taken}
+"""
+LOOPS = """
+actuation: [{type: curvature_1, rod: beam, value: {controlled_by: bend}}]
+controllers:
+  bend: {type: plugin, name: "hold:Hold", settings: {most: 2.0}, period: 10 ms}
+"""
+
+
+def test_points_take_plugins_and_are_named_by_what_is_in_them(swept, arm):
+    (arm / "arm.yaml").write_text((arm / "arm.yaml").read_text() + LOOPS)
+    (arm / "hold.py").write_text(PLUGIN)
+    axis = ("--over", "parameters.E=1 MPa,2 MPa")
+    refused = swept(*axis, out="without")
+    assert refused.code == 2
+    assert "--plugin" in refused.stderr + json.dumps(results_of(arm / "without"))
+    done = swept(*axis, "--plugin", "hold.py")
+    assert done.code == 0, done.stderr
+    first = published(arm / "out")
+    for one in first:
+        manifest = json.loads((arm / "out" / "points" / one / "manifest.json").read_text())
+        assert any(name.endswith("hold.py") for name in manifest["hashes"])
+    # another text of the plugin is another point
+    (arm / "hold.py").write_text(PLUGIN.replace("+ 1.0", "+ 2.0"))
+    other = swept(*axis, "--plugin", "hold.py", out="other")
+    assert other.code == 0, other.stderr
+    assert len(first) == 2
+    assert not first & published(arm / "other")
+
+
 def test_a_sweep_leaves_points_tables_and_a_report(swept, arm):
     done = swept(*FOUR, "-j", 2, "--json", "--junit", "out.xml")
     assert done.code == 0, done.stderr

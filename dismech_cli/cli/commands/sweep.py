@@ -103,6 +103,7 @@ def sweep(
     ] = False,
     overrides: options.Set = None,
     profile: options.ProfileOption = None,
+    plugin: options.Plugin = None,
     deterministic: Annotated[
         bool, typer.Option("--deterministic", help="The same bits on every run of this machine.")
     ] = False,
@@ -137,6 +138,7 @@ def sweep(
         overrides=tuple(overrides or ()),
         profile=None if profile is None else profile.value,
         allow_outside=allow_outside,
+        plugins=tuple(plugin or ()),
     )
     with (
         options.narrator(options.Shown.NONE, quiet, verbose) as console,

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Final
 
 from ...compose.structure.kernels import among_many
+from ...control.plugin import load_plugins
 from ...errors import DismechError, OutputError
 from ...output.durable import output_errors
 from ...output.jsonable import Json, dumps
@@ -69,7 +70,8 @@ def _warmed(task: Task) -> dict[str, Json]:
     """Compile what a point needs: its first step, of which nothing is kept."""
     with suppress(DismechError):  # told when the point is run
         loaded = task.base.load(task.overrides)
-        simulation = composed(loaded, None, Silent()).simulation
+        plugins = load_plugins(task.base.plugins)
+        simulation = composed(loaded, None, Silent(), plugins).simulation
         run(simulation, Latest(), limits=Limits(until=1e-300))
     return {"warm": True}
 
@@ -112,6 +114,7 @@ def _result(task: Task, work: Work) -> Result | None:
         "run",
         str(task.base.path),
         *(word for text in overrides for word in ("--set", text)),
+        *(word for file in task.base.plugins for word in ("--plugin", str(file))),
     ]
     manifest: Manifest | None = None
     try:
@@ -126,6 +129,7 @@ def _result(task: Task, work: Work) -> Result | None:
                 draw=False,
                 pause=Pause(None, task.limit, 60.0),
                 repays=among_many,
+                plugins=task.base.plugins,
             ),
             Silent(),
         )

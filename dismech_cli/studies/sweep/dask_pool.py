@@ -19,6 +19,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any, Final
 
+from ...control.plugin import load_plugins
 from ...errors import OutputError, ScenarioError, UnfinishedError
 from ...output.durable import write_bytes
 from ...output.manifest import installed_versions
@@ -230,7 +231,7 @@ def _files(task: Task) -> dict[str, bytes]:
     Raises:
         ScenarioError: It starts from another run, whose folder stays here.
     """
-    inputs = gather_inputs(task.base.load(task.overrides))
+    inputs = gather_inputs(task.base.load(task.overrides), plugins=load_plugins(task.base.plugins))
     for original in inputs.files.values():
         if original.is_dir():
             raise ScenarioError(

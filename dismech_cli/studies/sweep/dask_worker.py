@@ -15,6 +15,7 @@ from typing import Any, Final
 
 from ...output.jsonable import Json
 from ...output.manifest import installed_versions
+from ...output.run_directory import INPUT_FOLDER
 from ...scenario.load import json_schema
 from .pool import Child, death, hard_limit, over
 from .publish import is_done, remove_dead
@@ -89,7 +90,14 @@ def _run_elsewhere(order: Mapping[str, Any], task: Task) -> dict[str, Json | byt
         scenario = folder / next(iter(order["files"]))
         points = folder / "points"
         points.mkdir()
-        base = replace(task.base, path=scenario, overrides=(), profile=None, allow_outside=False)
+        base = replace(
+            task.base,
+            path=scenario,
+            overrides=(),
+            profile=None,
+            allow_outside=False,
+            plugins=tuple(folder / INPUT_FOLDER / one.name for one in task.base.plugins),
+        )
         answer = _converse(order, replace(task, base=base, overrides=(), points=points))
         if is_done(points, task.id):
             packed = _packed(points / task.id)

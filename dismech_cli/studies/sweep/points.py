@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from functools import cache, lru_cache
 from pathlib import Path
 
+from ...control.plugin import load_plugins
 from ...errors import ScenarioError
 from ...output.jsonable import Json, to_json
 from ...output.manifest import FILE_NAME as MANIFEST
@@ -78,12 +79,14 @@ class Base:
         overrides: ``KEY=VALUE`` texts that hold for all points.
         profile: ``draft``, ``normal``, ``accurate`` or None.
         allow_outside: Whether files may lie outside the folder of the scenario.
+        plugins: Files of controllers.
     """
 
     path: Path
     overrides: tuple[str, ...] = ()
     profile: str | None = None
     allow_outside: bool = False
+    plugins: tuple[Path, ...] = ()
 
     def load(self, more: Sequence[str] = ()) -> LoadedScenario:
         """The scenario with further overrides.
@@ -133,6 +136,7 @@ def shard(points: Sequence[Point], index: int, count: int) -> tuple[Point, ...]:
 
 def _read(base: Base, made: Sequence[Row]) -> Iterator[Point]:
     problems: list[Problem] = []
+    commanding = {name: one.digest for name, one in load_plugins(base.plugins).files.items()}
     for row in made:
         try:
             loaded = base.load([f"{key}={text}" for key, text in row])
@@ -142,7 +146,7 @@ def _read(base: Base, made: Sequence[Row]) -> Iterator[Point]:
                 break
             continue
         yield Point(
-            id=_name(loaded),
+            id=_name(loaded, commanding),
             settings=tuple(_setting(loaded, *one) for one in row),
             units={
                 name: KINDS[quantity_of(probe)].unit for name, probe in loaded.scenario.output.probes.items()
@@ -160,8 +164,8 @@ def _setting(loaded: LoadedScenario, key: str, text: str) -> Setting:
     return Setting(key, text, to_json(found.value), "" if found.unit == "1" else found.unit)
 
 
-def _name(loaded: LoadedScenario) -> str:
-    """Of a scenario: the same for the same content of it and of the files that it names, in one version."""
+def _name(loaded: LoadedScenario, plugins: Mapping[str, str]) -> str:
+    """Of a scenario: the same for the same content of it, of its files and of plugins, in one version."""
     files = {
         str(leaf.value): _digest((loaded.directory / leaf.value).resolve())
         for leaf in leaves(loaded.scenario)
@@ -172,6 +176,8 @@ def _name(loaded: LoadedScenario) -> str:
         "files": files,
         "version": _version(),
     }
+    if plugins:
+        whole = {**whole, "plugins": plugins}
     return hashlib.sha256(json.dumps(whole, sort_keys=True).encode()).hexdigest()[:16]
 
 

@@ -47,7 +47,11 @@ class Task:
         return cls(
             id=point.id,
             # a child may stand in another folder
-            base=replace(base, path=base.path.resolve()),
+            base=replace(
+                base,
+                path=base.path.resolve(),
+                plugins=tuple(one.resolve() for one in base.plugins),
+            ),
             overrides=point.overrides,
             settings=tuple(asdict(one) for one in point.settings),
             units=point.units,
@@ -58,7 +62,11 @@ class Task:
 
     def as_json(self) -> dict[str, Json]:
         """For the way to a child."""
-        base = {**asdict(self.base), "path": str(self.base.path)}
+        base = {
+            **asdict(self.base),
+            "path": str(self.base.path),
+            "plugins": [str(one) for one in self.base.plugins],
+        }
         mine = {
             one.name: getattr(self, one.name) for one in fields(self) if one.name not in ("base", "points")
         }
@@ -75,6 +83,7 @@ class Task:
                 overrides=tuple(base["overrides"]),
                 profile=base["profile"],
                 allow_outside=base["allow_outside"],
+                plugins=tuple(map(Path, base["plugins"])),
             ),
             overrides=tuple(data["overrides"]),
             settings=tuple(data["settings"]),
