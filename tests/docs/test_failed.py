@@ -44,9 +44,7 @@ def test_there_are_quotes():
 
 @pytest.mark.parametrize("status", [s for s in Status if s is not Status.CONVERGED])
 def test_every_way_to_fail_is_told(status: Status):
-    tables = [
-        getattr(failure, name) for name in dir(failure) if name.endswith("_ADVICE") and name.isupper()
-    ]
+    tables = [getattr(failure, name) for name in dir(failure) if name.endswith("_ADVICE") and name.isupper()]
     advice = [status.advice, *(table[status] for table in tables if status in table)]
     assert any(quote in text for quote in QUOTES for text in advice)
 

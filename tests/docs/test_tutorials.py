@@ -10,7 +10,7 @@ from pages import follow
 
 __all__ = ["call"]
 
-PAGES = ["finger", "parachute"]
+PAGES = ["finger", "parachute", "cloth"]
 
 
 @pytest.mark.parametrize("name", PAGES)

@@ -105,7 +105,9 @@ def _said(call: Call, words: list[str], fails: bool) -> str:
 
 
 def _among(line: str, printed: str) -> bool:
-    """Whether a line is among those printed, numbers to a percent and wall times aside."""
+    """Whether a line, or its start up to an ellipsis, was printed; numbers to a percent, no wall times."""
+    if line.endswith("…"):
+        return any(other.startswith(line[:-1]) for other in printed.splitlines())
     return not line.strip() or any(_alike(line.strip(), other.strip()) for other in printed.splitlines())
 
 
