@@ -19,15 +19,15 @@ from dismech_cli.session.pause import Pause
 from dismech_cli.session.resume import proceed
 
 
-@pytest.mark.parametrize("force", [4.0, -5.0, 10.5])
-@pytest.mark.parametrize("tangent", ["full", "symmetric"])
-def test_a_rod_pulled_over_a_floor(force: float, tangent: str) -> None:
+@pytest.mark.parametrize("force", [4.0, -5.0, 8.0, 10.5, -10.5])
+@pytest.mark.parametrize(("tangent", "most"), [("full", 8), ("symmetric", 11)])
+def test_a_rod_pulled_over_a_floor(force: float, tangent: str, most: int) -> None:
     deck = on_floor(force)
     deck["contact"]["friction"]["tangent"] = tangent
     report = dismech_cli.simulate(deck)
     expected = (abs(force) - 0.4 * MASS * 9.8) ** 2 / (2.0 * MASS)
     assert_allclose(report.scalars["kinetic"][-1], expected, rtol=0.02)
-    assert report.outcome.counters["iterations"] <= 11 * report.outcome.counters["steps"]
+    assert report.outcome.counters["iterations"] <= most * report.outcome.counters["steps"]
     assert report.warnings == ()
 
 
@@ -81,7 +81,7 @@ def test_a_rising_floor_lifts_the_rod() -> None:
     assert abs(report.scalars["error"]).max() < 0.02 * work
 
 
-@pytest.mark.parametrize("dt", [1e-1, 1e-2, 1e-3])
+@pytest.mark.parametrize("dt", [1e-1, 1e-2, 1e-3, 1e-4])
 def test_nothing_tunnels_at_fifty_radii_a_step(dt: float) -> None:
     """Caught, or the run fails and says so: never through in silence."""
     report = dismech_cli.simulate(crossing(dt, 0.1 / dt, tolerance=0.05))
