@@ -9,6 +9,7 @@ import pytest
 from contact_decks import crossing, on_floor
 
 import dismech_cli
+from dismech_cli.compose.compose import compose
 from dismech_cli.errors import ScenarioError
 
 Change = Callable[[dict[str, Any]], None]
@@ -99,3 +100,14 @@ def test_a_start_within_something_is_told_with_the_pair() -> None:
     for key in ("from", "to"):
         deck["geometry"][1]["generate"][key][2] = 0.002
     assert "'low' starts within 'high' by 50% of their thickness" in warnings(deck)
+
+
+@pytest.mark.parametrize(
+    ("change", "told"), [({}, True), ({"coefficient": 0.0}, False), ({"plane": 2}, False)]
+)
+def test_that_friction_rolls_nothing_is_told(change: dict[str, float], told: bool) -> None:
+    deck = on_floor()
+    deck["dimension"] = change.get("plane", 3)
+    deck["contact"]["friction"] |= {key: value for key, value in change.items() if key != "plane"}
+    decisions = compose(dismech_cli.load_mapping(deck)).plan.decisions
+    assert any("axes of rods" in decision.what for decision in decisions) == told

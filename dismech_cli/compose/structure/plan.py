@@ -157,6 +157,12 @@ def _contact(scenario: Scenario) -> Iterator[Decision]:
         )
     if among:
         yield Decision("a matrix whose pattern grows", "bodies that touch couple nodes anywhere")
+    rods = {rod.name for rod in scenario.rods.values()}
+    if scenario.dimension == 3 and any(mu > 0.0 and rods & {*pair} for pair, mu in pairs.items()):
+        yield Decision(
+            "friction acts at the axes of rods",
+            "it neither rolls nor twists them: what would roll slides or sticks",
+        )
 
 
 def _check_planar(scene: Scene, axes: tuple[int, ...]) -> None:
