@@ -7,10 +7,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..arrays import BoolArray, FloatArray, IntArray
+from ..arrays import FloatArray, IntArray
 
 # So many pairs of boxes are looked at together.
 _TOGETHER = 1_000_000
+# Heights above a plane that differences of coordinates leave unknown, over the largest coordinate.
+_ROUNDING = 32.0 * np.finfo(np.float64).eps
 
 
 def crossings(x: FloatArray, edges: IntArray, triangles: IntArray) -> IntArray:
@@ -27,16 +29,19 @@ def crossings(x: FloatArray, edges: IntArray, triangles: IntArray) -> IntArray:
     pairs, edge, face = pairs[apart], edge[apart], face[apart]
     p, q = x[edge].transpose(1, 0, 2)
     a, b, c = x[face].transpose(1, 0, 2)
-    through = _beyond(p, a, b, c) != _beyond(q, a, b, c)
-    turn = _beyond(p, q, a, b)
-    through &= (turn == _beyond(p, q, b, c)) & (turn == _beyond(p, q, c, a))
+    # an end that lies in the plane, to rounding, is on neither side: neighbours on a flat sheet do not cross
+    largest = np.abs(x[np.column_stack((edge, face))]).max(axis=(1, 2), initial=0.0)
+    flat = _ROUNDING * largest * np.linalg.norm(b - a, axis=1) * np.linalg.norm(c - a, axis=1)
+    ends = _volume(p, a, b, c), _volume(q, a, b, c)
+    through = (np.minimum(*ends) < -flat) & (np.maximum(*ends) > flat)
+    turn = _volume(p, q, a, b) > 0.0
+    through &= (turn == (_volume(p, q, b, c) > 0.0)) & (turn == (_volume(p, q, c, a) > 0.0))
     return np.asarray(pairs[through])
 
 
-def _beyond(p: FloatArray, a: FloatArray, b: FloatArray, c: FloatArray) -> BoolArray:
-    """Whether the volume of four points each (K, 3) is above zero."""
-    volume = (np.cross(b - a, c - a) * (p - a)).sum(axis=1)
-    return np.asarray(volume > 0.0)
+def _volume(p: FloatArray, a: FloatArray, b: FloatArray, c: FloatArray) -> FloatArray:
+    """Six times the signed volume of four points each (K, 3)."""
+    return np.asarray((np.cross(b - a, c - a) * (p - a)).sum(axis=1))
 
 
 def _boxes(x: FloatArray, nodes: IntArray) -> tuple[FloatArray, FloatArray]:

@@ -34,3 +34,19 @@ def test_no_triangles_and_no_edges() -> None:
     nothing = np.empty((0, 2), dtype=np.int64), np.empty((0, 3), dtype=np.int64)
     assert crossings(np.zeros((3, 3)), *nothing).shape == (0, 2)
     assert crossings(np.eye(3), np.array([[0, 1]]), nothing[1]).shape == (0, 2)
+
+
+def test_a_flat_sheet_that_is_tilted_does_not_cross_itself() -> None:
+    # its corners lie in one plane to rounding alone, to whichever side
+    rng = np.random.default_rng(0)
+    i, j = (k.reshape(-1) for k in np.meshgrid(np.arange(8), np.arange(8), indexing="ij"))
+    cells = (i * 9 + j)[:, None]
+    triangles = np.concatenate((cells + [0, 9, 10], cells + [0, 10, 1]))
+    sides = np.unique(np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1), axis=0)
+    for _ in range(20):
+        axes = rng.normal(size=(2, 3))
+        x = (
+            rng.normal(size=3)
+            + np.array([u * axes[0] + v * axes[1] for u in range(9) for v in range(9)]) / 7.0
+        )
+        assert not len(crossings(x, sides, triangles))
