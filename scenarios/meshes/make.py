@@ -141,18 +141,11 @@ def stool(sides: int = 8) -> str:
 
 
 def folded_strip(rows: int = 4) -> str:
-    """A strip of 0.2 m width, flat up to x = 0.45 m and bent back over itself; its halves are mirror images."""
+    """A strip of 0.2 m width, flat up to x = 0.45 m and bent back over itself; halves are mirror images."""
     flat = [(0.05 * i, 0.0) for i in range(10)]
     bend = [(0.496, 0.019), (0.522, 0.062), (0.514, 0.111), (0.481, 0.148)]
-    leaf = [
-        (0.439, 0.175),
-        (0.393, 0.196),
-        (0.348, 0.217),
-        (0.305, 0.244),
-        (0.267, 0.275),
-        (0.232, 0.312),
-        (0.2, 0.35),
-    ]
+    leaf = [(0.439, 0.175), (0.393, 0.196), (0.348, 0.217), (0.305, 0.244)]
+    leaf += [(0.267, 0.275), (0.232, 0.312), (0.2, 0.35)]
     profile = [*flat, *bend, *leaf]
     nodes = [(x, 0.2 * j / rows, z) for x, z in profile for j in range(rows + 1)]
     triangles: list[tuple[int, ...]] = []

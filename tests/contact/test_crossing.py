@@ -41,7 +41,7 @@ def test_a_flat_sheet_that_is_tilted_does_not_cross_itself() -> None:
     rng = np.random.default_rng(0)
     i, j = (k.reshape(-1) for k in np.meshgrid(np.arange(8), np.arange(8), indexing="ij"))
     cells = (i * 9 + j)[:, None]
-    triangles = np.concatenate((cells + [0, 9, 10], cells + [0, 10, 1]))
+    triangles = np.concatenate((cells + np.array([0, 9, 10]), cells + np.array([0, 10, 1])))
     sides = np.unique(np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1), axis=0)
     for _ in range(20):
         axes = rng.normal(size=(2, 3))

@@ -129,11 +129,6 @@ def is_round(made: Composition) -> None:
     assert_array_equal(made.simulation.topology.edge_radius, 0.01)
 
 
-def turns_left(made: Composition) -> None:
-    a, b, c = np.diff(made.geometry.nodes, axis=0)[:3]
-    assert np.linalg.det([a, b, c]) < 0.0
-
-
 def has_equal_hinges(made: Composition) -> None:
     (stiffness,) = hinge_stiffness(RUBBER.youngs_modulus, RUBBER.thickness, 1)
     assert (term(made, "sheet.bending").parameters == stiffness).all(axis=1).any()
@@ -220,17 +215,6 @@ def varies_with_place(made: Composition) -> None:
     assert_allclose(one.mass_per_length[2] / one.area[2], 2e3, rtol=1e-12)
 
 
-HELIX: Deck = {
-    "shape": "helix",
-    "origin": [0.0, 0.0, 0.0],
-    "axis": [0.0, 0.0, 1.0],
-    "radius": 0.1,
-    "pitch": 0.1,
-    "turns": 1.0,
-    "handedness": "left",
-    "nodes": 9,
-}
-
 TOUCHING = [rod([0.0, 0.0, 0.0], [0.1, 0.0, 0.0], "a"), rod([0.1, 0.0, 0.0], [0.2, 0.0, 0.0], "b")]
 
 BODIES = {
@@ -261,9 +245,6 @@ BODIES = {
         rod_deck(line(4), {"type": "round", "radius": {"value": 1e-2, "groups": {"end": 2e-2}}}),
         lambda made: assert_array_equal(made.simulation.topology.edge_radius, [1e-2, 1e-2, 2e-2]),
         classes=frozenset({"ByGroup"}),
-    ),
-    "left-handed": Rare(
-        rod_deck(HELIX, dimension=3), turns_left, choices=frozenset({("handedness", "left")})
     ),
     "displaced": Rare(
         rod_deck(
