@@ -1,4 +1,4 @@
-"""Balls where rods meet: they close the gaps between the tubes."""
+"""Balls where rods meet or end: they close the gaps between the tubes, and round their ends."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
-from .chains import Chain, find_junctions
+from .chains import Chain, find_chain_ends
 from .settings import Rgb
 
 
@@ -42,15 +42,16 @@ class Balls:
         return vertices.reshape(-1, 3), np.tile(self.normals, (len(self.nodes), 1))
 
 
-def make_balls(chains: Sequence[Chain], least: float, sides: int) -> list[Balls]:
-    """The balls at the junctions of chains; none without a junction.
+def make_balls(chains: Sequence[Chain], least: float, sides: int, fewest: int) -> list[Balls]:
+    """The balls at nodes with so many ends of chains; none without such a node.
 
     Args:
         chains: Of all rods.
         least: Least radius that is drawn [m].
         sides: Meridians.
+        fewest: Ends at a node that has a ball: 2 for junctions alone, 1 where ends of rods are round.
     """
-    nodes, radius, body = find_junctions(list(chains))
+    nodes, radius, body = find_chain_ends(list(chains), fewest)
     return [balls_at(nodes, np.maximum(radius, least), body, sides)] if len(nodes) else []
 
 

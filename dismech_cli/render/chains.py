@@ -87,8 +87,12 @@ def _chain(nodes: list[int], path: list[int], edge_radius: FloatArray, edge_body
     return Chain(nodes=np.array(nodes, dtype=np.int64), radius=radius, body=int(edge_body[path[0]]))
 
 
-def find_junctions(chains: list[Chain]) -> tuple[IntArray, FloatArray, IntArray]:
-    """Nodes where open chains meet: a ball there closes the gap between their tubes.
+def find_chain_ends(chains: list[Chain], fewest: int) -> tuple[IntArray, FloatArray, IntArray]:
+    """Nodes where open chains meet, or end alone.
+
+    Args:
+        chains: Of all rods.
+        fewest: Ends of chains that a node must have.
 
     Returns:
         Node indices, largest radii [m] and the bodies of the thickest chains, each of shape (K,).
@@ -98,7 +102,7 @@ def find_junctions(chains: list[Chain]) -> tuple[IntArray, FloatArray, IntArray]
         if not chain.closed:
             for end in (0, -1):
                 meeting[int(chain.nodes[end])].append((float(chain.radius[end]), chain.body))
-    balls = [(node, *max(found)) for node, found in meeting.items() if len(found) > 1]
+    balls = [(node, *max(found)) for node, found in meeting.items() if len(found) >= fewest]
     return (
         np.array([ball[0] for ball in balls], dtype=np.int64),
         np.array([ball[1] for ball in balls], dtype=np.float64),

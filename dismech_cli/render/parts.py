@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Protocol
+from typing import Final, Protocol
 
 from ..arrays import FloatArray, IntArray
 from ..output.read import Run
@@ -12,6 +12,12 @@ from .chains import find_chains
 from .settings import Rgb
 from .shell_solid import make_shells
 from .tubes import make_tubes
+
+# What runs with contact have a column of; rods touch as lines with a thickness, so that their ends are round.
+_TOUCH: Final = "contact"
+# Ends of chains at a node that has a ball.
+_ROUND: Final = 1
+_JUNCTION: Final = 2
 
 
 class Part(Protocol):
@@ -49,7 +55,7 @@ Maker = Callable[[Run, float], list[Part]]
 
 
 def make_bodies(run: Run, least: float, sides: int) -> list[Part]:
-    """The rods and shells of a run, and balls where rods meet.
+    """The rods and shells of a run, and balls where rods meet; where bodies touch, on all their ends.
 
     Args:
         run: The run.
@@ -61,7 +67,7 @@ def make_bodies(run: Run, least: float, sides: int) -> list[Part]:
     parts: list[Part] = []
     if chains:
         parts.append(make_tubes(chains, topology.rest_positions, least, sides))
-    parts += make_balls(chains, least, sides)
+    parts += make_balls(chains, least, sides, _ROUND if _TOUCH in topology.scalars else _JUNCTION)
     parts += make_shells(topology, least / 2)
     return parts
 

@@ -14,7 +14,7 @@ from dismech_cli.output.frame import FieldSpec
 from dismech_cli.output.read import read
 from dismech_cli.render import child, probe
 from dismech_cli.render.balls import make_balls
-from dismech_cli.render.chains import find_chains, find_junctions
+from dismech_cli.render.chains import find_chain_ends, find_chains
 from dismech_cli.render.coloring import Field, Painter, Scale, find_ends, stored_field
 from dismech_cli.render.framing import frame_motion, view_basis
 from dismech_cli.render.ground import grid_lines
@@ -22,7 +22,7 @@ from dismech_cli.render.job import Job
 from dismech_cli.render.movie import Wanted, render, time_decimals
 from dismech_cli.render.overlay import round_length
 from dismech_cli.render.panels import side_by_side
-from dismech_cli.render.parts import make_parts
+from dismech_cli.render.parts import make_bodies, make_parts
 from dismech_cli.render.scales import exponent, make_scale, pretty, ticks, written
 from dismech_cli.render.settings import Camera, Settings
 from dismech_cli.render.shell_solid import cells_to_nodes, make_shells
@@ -48,18 +48,18 @@ def test_a_loop_is_closed():
     (loop,) = chains_of([[0, 1], [1, 2], [2, 0]])
     assert loop.closed
     assert sorted(loop.nodes[:-1].tolist()) == [0, 1, 2]
-    assert find_junctions([loop])[0].size == 0
+    assert find_chain_ends([loop], 1)[0].size == 0
 
 
 def test_a_star_and_a_change_of_body_end_chains_with_a_ball_between():
     star = chains_of([[0, 1], [0, 2], [0, 3], [3, 4]])
     assert sorted(len(part.nodes) for part in star) == [2, 2, 3]
-    nodes, radius, _ = find_junctions(star)
+    nodes, radius, _ = find_chain_ends(star, 2)
     assert nodes.tolist() == [0]
     assert radius.tolist() == [3.0]
     two = chains_of(chain(5), [0, 0, 1, 1])
     assert [part.body for part in two] == [0, 1]
-    assert find_junctions(two)[0].tolist() == [2]
+    assert find_chain_ends(two, 2)[0].tolist() == [2]
 
 
 def test_every_edge_is_drawn_once():
@@ -136,13 +136,13 @@ def test_a_loop_has_no_lids():
 
 def test_balls_stand_where_rods_meet():
     star = chains_of([[0, 1], [0, 2], [0, 3]])
-    (balls,) = make_balls(star, 0.0, 12)
+    (balls,) = make_balls(star, 0.0, 12, 2)
     points = np.random.default_rng(3).normal(size=(4, 3))
     vertices, _ = balls.place(0.0, points)
     assert_allclose(np.linalg.norm(vertices - points[0], axis=1), 3.0, rtol=1e-12)
     assert is_closed(balls, points)
     assert volume(balls, points) > 0.0
-    assert make_balls(chains_of(chain(4)), 0.0, 12) == []
+    assert make_balls(chains_of(chain(4)), 0.0, 12, 2) == []
 
 
 @pytest.mark.parametrize("view", ["xy", "xz", "yz", "iso"])
@@ -445,10 +445,24 @@ def test_panels_stand_in_rows_of_three():
     assert side_by_side(pictures[:1]).shape == (2, 4, 3)
 
 
+def test_ends_of_rods_that_touch_are_round(tmp_path):
+    topology, frames = cantilever(frames=1)
+    with read(write_run(tmp_path / "free", (topology, frames))) as run:
+        flat = make_bodies(run, 0.0, 8)
+    touching = dataclasses.replace(topology, scalars={**topology.scalars, "contact": "J"})
+    frames = [dataclasses.replace(frame, scalars={**frame.scalars, "contact": 0.0}) for frame in frames]
+    with read(write_run(tmp_path / "touching", (touching, frames))) as run:
+        (*bodies, caps) = make_bodies(run, 0.0, 8)
+    assert len(bodies) == len(flat)
+    ends = [topology.edges[0, 0], topology.edges[-1, 1]]
+    assert caps.nodes.tolist() == ends
+    assert_allclose(caps.radius, topology.edge_radius[[0, -1]])
+
+
 def test_extras_are_drawn_beside_the_bodies(tmp_path, monkeypatch):
     topology, frames = cantilever(frames=1)
     with read(write_run(tmp_path, (topology, frames))) as run:
-        (mark,) = make_balls(chains_of([[0, 1], [0, 2], [0, 3]]), 0.0, 8)
+        (mark,) = make_balls(chains_of([[0, 1], [0, 2], [0, 3]]), 0.0, 8, 2)
         monkeypatch.setattr("dismech_cli.render.parts.EXTRAS", (lambda run, least: [mark],))
         assert make_parts(run, 0.0, 8)[-1] is mark
 
