@@ -47,6 +47,36 @@ class Cut:
         return surface_points(self.x, pieces, self.feature[some], faced)
 
 
+@dataclass(frozen=True, slots=True)
+class UpperBatches:
+    """Sums to upper triangles; implements :class:`.loops.Upper`.
+
+    Attributes:
+        stencils: The items.
+        places: Of their entries.
+    """
+
+    stencils: Stencils
+    places: SymmetricPlaces
+
+    def add_squares(self, touching: Touching, r: FloatArray, values: FloatArray) -> None:
+        """Add dE/dq and what the second derivatives have along the gaps."""
+        points = touching.points
+        _add_weighted(touching, points.pull * points.gap, r)
+        u = self.stencils.flat(points.directions())
+        self.places.add_squares(points.item, points.along, u, values)
+
+    def add_hessians(self, touching: Touching, r: FloatArray, values: FloatArray) -> None:
+        """Add dE/dq and the second derivatives."""
+        points = touching.points
+        _add_weighted(touching, points.pull * points.gap, r)
+        self.places.add(points.item, self.stencils.local(points.hessians()), values)
+
+    def add_symmetric(self, touching: Touching, block: FloatArray, values: FloatArray) -> None:
+        """Add w_i w_j times a symmetric block of each point."""
+        self.places.add(touching.points.item, _spread(touching, block), values)
+
+
 class Batches:
     """Many at once."""
 
@@ -105,9 +135,9 @@ class Batches:
         """Distances of lines from triangles."""
         return face_distances(np.ascontiguousarray(x[nodes].transpose(1, 2, 0)))
 
-    def symmetric_places(self, stencils: Stencils, pattern: Pattern) -> SymmetricPlaces:
+    def symmetric_places(self, stencils: Stencils, pattern: Pattern) -> UpperBatches:
         """Places of the upper triangles of items."""
-        return SymmetricPlaces.of(stencils, pattern)
+        return UpperBatches(stencils, SymmetricPlaces.of(stencils, pattern))
 
     def general_places(self, stencils: Stencils, pattern: Pattern) -> GeneralPlaces:
         """Places of the whole matrices of items."""
@@ -115,24 +145,7 @@ class Batches:
 
     def add_forces(self, touching: Touching, vector: FloatArray, r: FloatArray) -> None:
         """Add weights times a vector of each point."""
-        points = touching.points
-        touching.stencils.add(points.item, points.weights[:, None] * vector, r)
-
-    def add_squares(self, touching: Touching, places: SymmetricPlaces, values: FloatArray) -> None:
-        """Add what the second derivatives have along the gaps."""
-        points = touching.points
-        places.add_squares(points.item, points.along, touching.stencils.flat(points.directions()), values)
-
-    def add_hessians(self, touching: Touching, places: SymmetricPlaces, values: FloatArray) -> None:
-        """Add the second derivatives."""
-        points = touching.points
-        places.add(points.item, touching.stencils.local(points.hessians()), values)
-
-    def add_symmetric(
-        self, touching: Touching, places: SymmetricPlaces, block: FloatArray, values: FloatArray
-    ) -> None:
-        """Add w_i w_j times a symmetric block of each point."""
-        places.add(touching.points.item, _spread(touching, block), values)
+        _add_weighted(touching, vector, r)
 
     def add_general(
         self, touching: Touching, places: GeneralPlaces, block: FloatArray, values: FloatArray
@@ -145,3 +158,9 @@ def _spread(touching: Touching, block: FloatArray) -> FloatArray:
     """Blocks (3, 3, K) of points as matrices of the DOFs of their items."""
     w = touching.points.weights
     return touching.stencils.local(w[:, None, None, None] * w[None, :, None, None] * block)
+
+
+def _add_weighted(touching: Touching, vector: FloatArray, r: FloatArray) -> None:
+    """Add weights times a vector (3, K) of each point."""
+    points = touching.points
+    touching.stencils.add(points.item, points.weights[:, None] * vector, r)

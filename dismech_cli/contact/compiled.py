@@ -13,9 +13,10 @@ from . import face_loops, line_loops, point_loops, slot_loops, sum_loops, way_lo
 from .candidates import Boxes
 from .filled import Loop, PointsOf
 from .grid import Grid
-from .stencils import GeneralPlaces, Stencils, SymmetricPlaces
+from .stencils import GeneralPlaces, Stencils
 from .surface_compiled import Measured, SurfaceLoops
 from .touching import Touching
+from .upper_sums import UpperLoops, UpperSums
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,23 +27,20 @@ class Compiled:
     vertex_points: PointsOf
     surface: SurfaceLoops
     grid: Grid
+    upper: UpperSums
     distances: Loop
     ways: Loop
     to_faces: Loop
     boxes: Loop
     weighted: Loop
-    squares: Loop
-    hessians: Loop
-    upper_blocks: Loop
     blocks: Loop
-    upper_slots: Loop
     all_slots: Loop
 
     @classmethod
     def of(cls, driver: Driver) -> Compiled | None:
         """The loops of a driver; None where it does not compile."""
         fill = driver.compiled(point_loops.fill_points)
-        surface, grid = SurfaceLoops.of(driver), Grid.of(driver)
+        surface, grid, upper = SurfaceLoops.of(driver), Grid.of(driver), UpperSums.of(driver)
         names = (
             line_loops.segment_pieces,
             line_loops.vertex_pieces,
@@ -51,18 +49,14 @@ class Compiled:
             face_loops.face_distances,
             face_loops.boxes_apart,
             sum_loops.add_weighted,
-            sum_loops.add_squares,
-            sum_loops.add_hessians,
-            sum_loops.add_upper_blocks,
             sum_loops.add_blocks,
-            slot_loops.find_upper,
             slot_loops.find_all,
         )
         loops = [made for one in names if (made := driver.compiled(one)) is not None]
-        if fill is None or surface is None or grid is None or len(loops) < len(names):
+        if fill is None or surface is None or grid is None or upper is None or len(loops) < len(names):
             return None
         segments, vertices, *others = loops
-        return cls(PointsOf(segments, fill, 2), PointsOf(vertices, fill, 1), surface, grid, *others)
+        return cls(PointsOf(segments, fill, 2), PointsOf(vertices, fill, 1), surface, grid, upper, *others)
 
     def near_among(self, boxes: Boxes) -> IntArray:
         """Pairs of boxes that are nearer than both sizes."""
@@ -103,14 +97,9 @@ class Compiled:
         self.to_faces(x, nodes, np.full(len(nodes), np.inf), out)
         return out
 
-    def symmetric_places(self, stencils: Stencils, pattern: Pattern) -> SymmetricPlaces:
+    def symmetric_places(self, stencils: Stencils, pattern: Pattern) -> UpperLoops:
         """Places of the upper triangles of items."""
-        size = stencils.dofs.shape[1]
-        i, j = np.triu_indices(size)
-        slots: IntArray = np.empty((len(stencils.dofs), len(i)), dtype=np.uint32)
-        d, p = len(stencils.axes), pattern
-        self.upper_slots(p.order, p.indptr, p.indices, d, stencils.dofs, slots)
-        return SymmetricPlaces(slots, i, j)
+        return self.upper.at(stencils, pattern)
 
     def general_places(self, stencils: Stencils, pattern: Pattern) -> GeneralPlaces:
         """Places of the whole matrices of items."""
@@ -124,44 +113,9 @@ class Compiled:
         points, stencils = touching.points, touching.stencils
         self.weighted(stencils.dofs, stencils.axes, points.item, points.weights, vector, r)
 
-    def add_squares(self, touching: Touching, places: SymmetricPlaces, values: FloatArray) -> None:
-        """Add what the second derivatives have along the gaps."""
-        p, axes = touching.points, touching.stencils.axes
-        self.squares(places.slots, axes, p.item, p.weights, p.gap, p.along, p.axis, p.e, values)
-
-    def add_hessians(self, touching: Touching, places: SymmetricPlaces, values: FloatArray) -> None:
-        """Add the second derivatives."""
-        p = touching.points
-        self.hessians(
-            places.slots,
-            touching.stencils.axes,
-            p.item,
-            p.weights,
-            p.spread,
-            p.gap,
-            p.e,
-            p.along,
-            p.bend,
-            p.identity,
-            p.axis,
-            values,
-        )
-
-    def add_symmetric(
-        self, touching: Touching, places: SymmetricPlaces, block: FloatArray, values: FloatArray
-    ) -> None:
-        """Add w_i w_j times a symmetric block of each point."""
-        self._add(self.upper_blocks, touching, places.slots, block, values)
-
     def add_general(
         self, touching: Touching, places: GeneralPlaces, block: FloatArray, values: FloatArray
     ) -> None:
         """Add w_i w_j times a block of each point."""
-        self._add(self.blocks, touching, places.slots, block, values)
-
-    def _add(
-        self, loop: Loop, touching: Touching, slots: IntArray, block: FloatArray, values: FloatArray
-    ) -> None:
-        points = touching.points
-        flat = block.reshape(9, -1)
-        loop(slots, touching.stencils.axes, points.item, points.weights, flat, values)
+        points, axes = touching.points, touching.stencils.axes
+        self.blocks(places.slots, axes, points.item, points.weights, block.reshape(9, -1), values)

@@ -11,7 +11,6 @@ from ..arrays import FloatArray, IntArray
 from .faces import Faces
 from .loops import Near
 from .points import Points
-from .secant import with_secant
 from .surface import Faced, Junctions, Shared
 
 # Thicknesses that differ by less than that of a file in single precision are alike.
@@ -71,10 +70,9 @@ class Facing:
         full_reach[rows], full_factor[rows] = reach, factor
         faced = Faced(which, self.nodes, full_reach, full_factor, self.junctions, shared)
         triangles, sides, corners = near.points(faced)
-        yield 0, with_secant(triangles, full_reach[triangles.item]), triangles.item
+        yield 0, triangles, triangles.item
         for kind, points, of in ((1, sides, shared.side_owner), (2, corners, shared.corner_owner)):
-            owner = of[points.item]
-            yield kind, with_secant(points, full_reach[owner]), owner
+            yield kind, points, of[points.item]
 
 
 def _kinds(faces: Faces, triangles: IntArray) -> IntArray:

@@ -24,7 +24,8 @@ class Filler:
         Args:
             fill: See :func:`.point_loops.fill_points`.
             faced: Nodes that are faced.
-            slopes: Nodes whose weights have slopes: all, or none where curvature is left out.
+            slopes: Nodes whose weights have slopes: all, or none where curvature is left out and stiffness is
+                that of the secant.
         """
         self._fill, self._faced, self._slopes = fill, faced, slopes
         self._numbers = np.empty(0)
@@ -61,7 +62,7 @@ class Filler:
             energy=energy,
             pull=pull,
             along=along,
-            bend=pull,
+            bend=pull if self._slopes else np.broadcast_to(0.0, count),
             load=load,
             growth=growth,
             identity=identity,

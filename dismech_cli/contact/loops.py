@@ -11,7 +11,7 @@ from .batches import Batches
 from .candidates import Boxes
 from .compiled import Compiled
 from .points import Points
-from .stencils import GeneralPlaces, Stencils, SymmetricPlaces
+from .stencils import GeneralPlaces, Stencils
 from .surface import Faced
 from .touching import Touching
 
@@ -35,8 +35,22 @@ class Near(Protocol):
     def points(self, faced: Faced) -> tuple[Points, Points, Points]:
         """Points of contact with triangles, and with the sides and corners that these share.
 
-        What counts as often with one sign as with the other is left out. Valid until the next call.
+        Their stiffness is that of the secant. What counts as often with one sign as with the other is left
+        out. Valid until the next call.
         """
+
+
+class Upper(Protocol):
+    """Places of the upper triangles of items of a kind, to which sums over points are added."""
+
+    def add_squares(self, touching: Touching, r: FloatArray, values: FloatArray) -> None:
+        """Add dE/dq to ``r`` (n,) and what the second derivatives have along the gaps to values (slots,)."""
+
+    def add_hessians(self, touching: Touching, r: FloatArray, values: FloatArray) -> None:
+        """Add dE/dq to ``r`` and the second derivatives to stored values."""
+
+    def add_symmetric(self, touching: Touching, block: FloatArray, values: FloatArray) -> None:
+        """Add w_i w_j times a symmetric block (3, 3, K) of each point to stored values."""
 
 
 class Loops(Protocol):
@@ -94,7 +108,7 @@ class Loops(Protocol):
     def face_distances(self, x: FloatArray, nodes: IntArray) -> FloatArray:
         """Distances of lines from triangles, nodes (P, 5) [m], shape (P,)."""
 
-    def symmetric_places(self, stencils: Stencils, pattern: Pattern) -> SymmetricPlaces:
+    def symmetric_places(self, stencils: Stencils, pattern: Pattern) -> Upper:
         """Places of the upper triangles of items."""
 
     def general_places(self, stencils: Stencils, pattern: Pattern) -> GeneralPlaces:
@@ -103,21 +117,10 @@ class Loops(Protocol):
     def add_forces(self, touching: Touching, vector: FloatArray, r: FloatArray) -> None:
         """Add weights times a vector (3, K) of each point to ``r``, shape (n,)."""
 
-    def add_squares(self, touching: Touching, places: SymmetricPlaces, values: FloatArray) -> None:
-        """Add what the second derivatives have along the gaps to stored values (slots,)."""
-
-    def add_hessians(self, touching: Touching, places: SymmetricPlaces, values: FloatArray) -> None:
-        """Add the second derivatives to stored values (slots,)."""
-
-    def add_symmetric(
-        self, touching: Touching, places: SymmetricPlaces, block: FloatArray, values: FloatArray
-    ) -> None:
-        """Add w_i w_j times a symmetric block (3, 3, K) of each point to stored values (slots,)."""
-
     def add_general(
         self, touching: Touching, places: GeneralPlaces, block: FloatArray, values: FloatArray
     ) -> None:
-        """The same where the block is not symmetric."""
+        """Add w_i w_j times a block (3, 3, K) of each point to stored values (slots,)."""
 
 
 def loops_of(driver: Driver) -> Loops:

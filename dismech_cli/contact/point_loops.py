@@ -5,7 +5,7 @@ from __future__ import annotations
 from ..arrays import FloatArray, IntArray
 from ..geometry.kernel import loop
 from .line_loops import AXIS, EDGE, FACED, HIGH, IDENTITY, LOW, SLOPE, START
-from .quadrature import GAUSS, density
+from .quadrature import GAUSS, density, secant
 
 SCALARS = ("s", "energy", "pull", "along", "load", "growth", "identity", "axis", "turn")
 """Rows of ``numbers`` in :func:`fill_points`."""
@@ -36,7 +36,8 @@ def fill_points(
         numbers: As ``SCALARS`` says, shape (9, 3 P).
         vectors: Gap, normal and axis of each point, shape (3, 3, 3 P).
         weights: Shape (2 + m, 3 P).
-        spread: Slopes of the weights, shape (2 + m, 3, 3 P), or none of them where nobody asks.
+        spread: Slopes of the weights, shape (2 + m, 3, 3 P), or none of them where stiffness is that of the
+            secant.
     """
     faced = len(weights) - 2
     for p in range(len(item) // 3):
@@ -54,6 +55,8 @@ def fill_points(
             energy, pull, along, load, growth, turn = density(
                 square, reach[k], factor[k] * (2.0 * weight * half)
             )
+            if not len(spread):
+                along = secant(along, square, reach[k])
             item[at] = rows[k]
             numbers[0, at] = s
             numbers[1, at] = energy

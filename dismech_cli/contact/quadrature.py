@@ -21,6 +21,8 @@ GAUSS: Final = ((-_ROOT, 5.0 / 18.0), (0.0, 8.0 / 18.0), (_ROOT, 5.0 / 18.0))
 # A line that keeps its distance to 1e-12 has roots so far away.
 _FLAT: Final = 1e-24
 _TINY: Final = 1e-300
+# The secant is that of so much of the reach where a line passes through what it faces.
+_NEAR: Final = 1e-3
 _TINIEST: Final = float(np.finfo(float).tiny)
 
 
@@ -77,6 +79,19 @@ def density(square: Any, h: Any, factor: Any) -> Any:
         4.0 * f * (depth - 2.0 * square),
         1.0 / distance,
     )
+
+
+@kernel
+def secant(along: Any, square: Any, h: Any) -> Any:
+    """Stiffness along the gap of the secant from where nothing touches; see :mod:`.secant`.
+
+    Args:
+        along: That of the tangent.
+        square: |x|^2 [m^2].
+        h: H [m].
+    """
+    distance = np.maximum(np.sqrt(square), _NEAR * h)
+    return along * 0.5 * (h + distance) / distance
 
 
 @kernel

@@ -8,9 +8,7 @@ import numpy as np
 
 from ..arrays import FloatArray
 from .points import Points
-
-# The secant is that of so much of the reach where a line passes through what it faces.
-_NEAR = 1e-3
+from .quadrature import secant
 
 
 def with_secant(points: Points, reach: FloatArray) -> Points:
@@ -20,6 +18,6 @@ def with_secant(points: Points, reach: FloatArray) -> Points:
     Curvature across the gap is left out: what is taken off again would make matrices indefinite (Gauss and
     Newton).
     """
-    distance = np.maximum(np.sqrt((points.gap * points.gap).sum(axis=0)), _NEAR * reach)
-    along = points.along * 0.5 * (reach + distance) / distance
+    square = (points.gap * points.gap).sum(axis=0)
+    along = secant(points.along, square, reach)
     return replace(points, along=along, bend=np.zeros_like(points.bend))

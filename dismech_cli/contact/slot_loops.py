@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Final
 
-from ..arrays import IntArray
+from ..arrays import BoolArray, IntArray
 from ..geometry.kernel import kernel, loop
+
+SKIPPED: Final = 0xFFFFFFFF
+"""In place of a slot where a node is fixed."""
 
 
 @kernel
@@ -64,6 +67,68 @@ def find_upper(
                             if not found:
                                 found = True
                                 guess = slot - indptr[row] - (0 if p == q else 1) + indptr[row + 1]
+
+
+@loop
+def find_blocks(
+    order: IntArray,
+    indptr: IntArray,
+    indices: IntArray,
+    d: int,
+    dofs: IntArray,
+    slots: IntArray,
+    flipped: BoolArray,
+    odd: IntArray,
+) -> int:
+    """Slots at which the rows of the blocks of pairs of nodes begin.
+
+    The DOFs of a node that is free follow each other in the matrix, so that its entries in a row do.
+
+    Args:
+        order: See :func:`find_upper`.
+        indptr: See there.
+        indices: See there.
+        d: See there.
+        dofs: See there.
+        slots: Written, shape (S, n (n + 1) / 2 d): of each row of the block that is in the upper triangle.
+        flipped: Whether that is the transpose, written, shape (S, n (n + 1) / 2).
+        odd: Number of each item among those of which a node is fixed in part or comes twice, -1 of all
+            others, written, shape (S,).
+
+    Returns:
+        Number of such items.
+    """
+    n, count = dofs.shape[1] // d, 0
+    for s in range(len(dofs)):
+        strange = False
+        for i in range(n):
+            first = order[dofs[s, i * d]]
+            for a in range(1, d):
+                strange = strange or order[dofs[s, i * d + a]] != (first if first < 0 else first + a)
+            for j in range(i):
+                strange = strange or dofs[s, i * d] == dofs[s, j * d]
+        odd[s] = -1
+        if strange:
+            odd[s] = count
+            count += 1
+            continue
+        m = 0
+        for i in range(n):
+            for j in range(i, n):
+                one, other = order[dofs[s, i * d]], order[dofs[s, j * d]]
+                low, high = min(one, other), max(one, other)
+                flipped[s, m] = one > other
+                guess = -1
+                for a in range(d):
+                    if low < 0:
+                        slots[s, m * d + a] = SKIPPED
+                    else:
+                        row = low + a
+                        slot = _found(indptr, indices, row, row if i == j else high, guess)
+                        slots[s, m * d + a] = slot
+                        guess = slot - indptr[row] - (0 if i == j else 1) + indptr[row + 1]
+                m += 1
+    return count
 
 
 @loop

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..arrays import FloatArray, IntArray
+from ..arrays import BoolArray, FloatArray, IntArray
 from ..kernels.linearization import Coupling, Pattern
 from ..kinematics.dofs import DofMap
 from .points import Points
@@ -102,6 +102,23 @@ class SymmetricPlaces:
             upper = (factors[some, None] * u)[:, self.rows] * u[:, self.columns]
             sums = np.add.reduceat(upper, starts - starts[0], axis=0)
             np.add.at(values, self.slots[item[order[starts]]], sums)
+
+
+@dataclass(frozen=True, slots=True)
+class BlockPlaces:
+    """Slots of the blocks of items; see :func:`.slot_loops.find_blocks`.
+
+    Attributes:
+        slots: At which rows of blocks begin, shape (S, n (n + 1) / 2 d).
+        flipped: Whether the transpose is stored, shape (S, n (n + 1) / 2).
+        odd: Number of each item among those whose rows have gaps, or -1, shape (S,).
+        entries: Slots of the upper triangles of these, shape (O, n d (n d + 1) / 2).
+    """
+
+    slots: IntArray
+    flipped: BoolArray
+    odd: IntArray
+    entries: IntArray
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,6 +15,7 @@ from ..arrays import FloatArray, IntArray
 from .cores import beside, facing_node
 from .pieces import Pieces
 from .points import Points, round_points
+from .secant import with_secant
 from .spans import Spans
 from .surface import Faced
 
@@ -103,4 +104,5 @@ def _lines(x: FloatArray, nodes: IntArray) -> list[FloatArray]:
 def _points(pieces: Pieces, spans: Spans, row: IntArray, faced: Faced) -> Points:
     """Points on some parts of pieces, by their number, with the reach and the stiffness of some pairs."""
     parts = replace(pieces, item=np.arange(len(spans.group)), low=spans.low, high=spans.high)
-    return round_points(parts, faced.reach[row], faced.factor[row] * spans.times)
+    points = round_points(parts, faced.reach[row], faced.factor[row] * spans.times)
+    return with_secant(points, faced.reach[row[points.item]])

@@ -10,9 +10,9 @@ import numpy as np
 from ..arrays import FloatArray
 from ..kernels.linearization import Linearization, Pattern
 from ..model.configuration import Configuration
-from .loops import Loops
+from .loops import Loops, Upper
 from .rubbing import slip
-from .stencils import Stencils, SymmetricPlaces
+from .stencils import Stencils
 from .touching import Touching
 
 # Below this share of the speed over which friction grows it is all but linear.
@@ -49,7 +49,7 @@ class NormalTerm:
     def __init__(self, found: Found, *, steady: bool) -> None:
         self.steady = steady
         self._found = found
-        self._places: list[SymmetricPlaces] = []
+        self._places: list[Upper] = []
 
     @property
     def potential(self) -> NormalTerm:
@@ -74,25 +74,20 @@ class NormalTerm:
     def add_residual(self, c: Configuration, r: FloatArray) -> None:
         """Add dE/dq."""
         for touching in self._found.touching(c):
-            self._add(touching, r)
+            points = touching.points
+            self._found.loops.add_forces(touching, points.pull * points.gap, r)
 
     def add_linearization(self, c: Configuration, into: Linearization) -> None:
         """Add dE/dq and d2E/dq2."""
-        loops = self._found.loops
         for touching in self._found.touching(c):
-            self._add(touching, into.residual)
-            add = loops.add_hessians if touching.points.bend.any() else loops.add_squares
-            add(touching, self._places[touching.kind], into.stiffness)
+            places = self._places[touching.kind]
+            add = places.add_hessians if touching.points.bend.any() else places.add_squares
+            add(touching, into.residual, into.stiffness)
 
     def add_convex_linearization(self, c: Configuration, into: Linearization) -> None:
         """Add dE/dq and what its Hessian has along the gaps (Gauss and Newton)."""
         for touching in self._found.touching(c):
-            self._add(touching, into.residual)
-            self._found.loops.add_squares(touching, self._places[touching.kind], into.stiffness)
-
-    def _add(self, touching: Touching, r: FloatArray) -> None:
-        points = touching.points
-        self._found.loops.add_forces(touching, points.pull * points.gap, r)
+            self._places[touching.kind].add_squares(touching, into.residual, into.stiffness)
 
 
 class _Friction:
@@ -161,8 +156,7 @@ class SymmetricFriction(_Friction):
         for touching in self._found.touching(c):
             self._found.loops.add_forces(touching, self.forces(touching), into.residual)
             _, by_velocity = self._tangents(touching)
-            places = self._places[touching.kind]
-            self._found.loops.add_symmetric(touching, places, by_velocity, into.damping)
+            self._places[touching.kind].add_symmetric(touching, by_velocity, into.damping)
 
     add_convex_linearization = add_linearization
 

@@ -15,7 +15,7 @@ from dismech_cli.contact.cores import BoxCore, LineCore, PointCore
 from dismech_cli.contact.loops import Loops
 from dismech_cli.contact.obstacle import HalfSpace, Rounded, Shape
 from dismech_cli.contact.points import Points
-from dismech_cli.contact.stencils import GeneralPlaces, Stencils, SymmetricPlaces
+from dismech_cli.contact.stencils import Stencils
 from dismech_cli.contact.surface_pairs import SurfacePairs
 from dismech_cli.contact.surface_search import FaceSearch
 from dismech_cli.contact.touching import Touching
@@ -143,43 +143,57 @@ def test_points_on_surfaces(compiled: Loops, rough: float) -> None:
         expected = by_item(other.points, count)
         assert np.count_nonzero(expected[:, 0]) > 5 or rough == 0.0
         assert_allclose(by_item(one.points, count), expected, rtol=1e-8, atol=1e-12 * np.abs(expected).max())
-        i, j = np.triu_indices(one.stencils.dofs.shape[1])
-        upper = SymmetricPlaces(np.arange(count * len(i)).reshape(count, len(i)), i, j)
-        values = np.zeros((2, count * len(i)))
-        compiled.add_squares(one, upper, values[0])
-        Batches().add_squares(other, upper, values[1])
+        pattern = all_free(one.stencils)
+        r, values = np.zeros((2, one.stencils.map.n)), np.zeros((2, pattern.slots))
+        compiled.symmetric_places(one.stencils, pattern).add_squares(one, r[0], values[0])
+        Batches().symmetric_places(other.stencils, pattern).add_squares(other, r[1], values[1])
         assert_allclose(values[0], values[1], rtol=0, atol=1e-12 * np.abs(values[1]).max())
+        assert_allclose(r[0], r[1], rtol=0, atol=1e-12 * np.abs(r[1]).max())
 
 
+def all_free(stencils: Stencils) -> SparsityPattern:
+    """The pattern of some items."""
+    dofs = stencils.map
+    return SparsityPattern.build(dofs, np.ones(dofs.n, dtype=np.bool_), [stencils.coupling], symmetric=True)
+
+
+@pytest.mark.parametrize("shared", [False, True])
 @pytest.mark.parametrize("axes", [(0, 1, 2), (0, 2)])
-def test_sums(compiled: Loops, axes: tuple[int, ...]) -> None:
-    """Forces and tangents to the same places, in space and in a plane, some DOFs fixed."""
+def test_sums(compiled: Loops, axes: tuple[int, ...], shared: bool) -> None:
+    """Forces and tangents to the same places, in space and in a plane, with DOFs fixed and nodes shared."""
     x, nodes = places(4)
     every = np.arange(COUNT)
     points = Batches().segment_points(x, nodes, every, np.full(COUNT, REACH), np.ones(COUNT))
     order = np.argsort(points.item, kind="stable")
     points = Points(*(np.ascontiguousarray(getattr(points, name)[..., order]) for name in Points.__slots__))
-    stencils = Stencils(DofMap(len(x), 0, axes, len(x)), nodes)
+    dofs = DofMap(len(x), 0, axes, len(x))
+    if shared:
+        nodes = nodes % 60
+    stencils = Stencils(dofs, nodes)
     none = np.zeros(len(points.item))
     touching = Touching(0, stencils, points, none, lambda: np.zeros((3, 0)), none.astype(np.int64), none)
-    size = stencils.dofs.shape[1]
-    spare = 50
-    i, j = np.triu_indices(size)
-    upper = SymmetricPlaces(RNG.integers(0, spare, size=(COUNT, len(i))), i, j)
-    whole = GeneralPlaces(RNG.integers(0, spare, size=(COUNT, size * size)))
     half = RNG.normal(size=(3, 3, len(none)))
     symmetric = half + half.transpose(1, 0, 2)
+    free = np.ones(dofs.n, dtype=np.bool_)
+    # one node is held, and of another an axis
+    free[dofs.of_nodes(np.array([[7]]))] = free[dofs.of_nodes(np.array([[11]])).reshape(-1)[:1]] = False
+    upper, whole = (
+        SparsityPattern.build(dofs, free, [stencils.coupling], symmetric=one) for one in (True, False)
+    )
     found = []
     for loops in (compiled, Batches()):
-        r, values = np.zeros(stencils.map.n), np.zeros((4, spare))
-        loops.add_forces(touching, points.pull * points.gap, r)
-        loops.add_squares(touching, upper, values[0])
-        loops.add_hessians(touching, upper, values[1])
-        loops.add_symmetric(touching, upper, symmetric, values[2])
-        loops.add_general(touching, whole, half, values[3])
-        found.append((r, values))
-    assert_allclose(found[0][0], found[1][0], rtol=1e-11, atol=1e-13 * np.abs(found[1][0]).max())
-    assert_allclose(found[0][1], found[1][1], rtol=1e-10, atol=1e-12 * np.abs(found[1][1]).max())
+        r, values, more = np.zeros((3, dofs.n)), np.zeros((3, upper.slots)), np.zeros((2, whole.slots))
+        loops.add_forces(touching, points.pull * points.gap, r[0])
+        sums = loops.symmetric_places(stencils, upper)
+        sums.add_squares(touching, r[1], values[0])
+        sums.add_hessians(touching, r[2], values[1])
+        sums.add_symmetric(touching, symmetric, values[2])
+        loops.symmetric_places(stencils, whole).add_hessians(touching, r[2], more[0])
+        loops.add_general(touching, loops.general_places(stencils, whole), half, more[1])
+        # what is fixed goes nowhere, or to the spare slot
+        found.append((r, values[:, :-1], more[:, :-1]))
+    for one, other in zip(*found, strict=True):
+        assert_allclose(one, other, rtol=1e-10, atol=1e-12 * np.abs(other).max())
 
 
 @pytest.mark.parametrize("symmetric", [True, False])
@@ -192,9 +206,9 @@ def test_places(compiled: Loops, symmetric: bool) -> None:
     chain = np.stack((np.arange(29), np.arange(1, 30)), axis=1)
     base = [Coupling(dofs.of_nodes(chain).reshape(29, 6))]
     pattern = SparsityPattern.build(dofs, free, [*base, stencils.coupling], symmetric=symmetric)
-    ask = "symmetric_places" if symmetric else "general_places"
-    ours, theirs = (getattr(loops, ask)(stencils, pattern) for loops in (compiled, Batches()))
-    assert_array_equal(ours.slots, theirs.slots)
+    if not symmetric:
+        ours, theirs = (loops.general_places(stencils, pattern) for loops in (compiled, Batches()))
+        assert_array_equal(ours.slots, theirs.slots)
     small = SparsityPattern.build(dofs, free, base, symmetric=symmetric)
     extender = extender_of(small, NumbaDriver())
     assert isinstance(extender, CompiledExtender)
@@ -217,7 +231,7 @@ def test_boxes_on_a_grid(compiled: Loops, spread: float) -> None:
     high[:5] = low[:5] + 0.8
     boxes = Boxes(low, high, 0.02 * RNG.uniform(size=600))
     pairs = compiled.near_among(boxes)
-    assert len(pairs) > 100
+    assert len(pairs) > 50
     assert_array_equal(pairs, Batches().near_among(boxes))
     gap = np.maximum(np.maximum(low[:, None] - high[None], low[None] - high[:, None]), 0.0)
     near = (gap * gap).sum(axis=2) < (boxes.sizes[:, None] + boxes.sizes) ** 2
@@ -250,15 +264,15 @@ def test_sums_on_obstacles(compiled: Loops, shape: Shape) -> None:
     stencils = Stencils(DofMap(len(x), 0, (0, 1, 2), len(x)), nodes)
     none = np.zeros(len(points.item))
     touching = Touching(0, stencils, points, none, lambda: np.zeros((3, 0)), none.astype(np.int64), none)
-    i, j = np.triu_indices(6)
-    upper = SymmetricPlaces(np.arange(2100).reshape(100, 21), i, j)
+    pattern = all_free(stencils)
     found = []
     for loops in (compiled, Batches()):
-        r, values = np.zeros(600), np.zeros((2, 2100))
-        loops.add_forces(touching, points.pull * points.gap, r)
-        loops.add_squares(touching, upper, values[0])
-        loops.add_hessians(touching, upper, values[1])
+        r, values, places = np.zeros((3, 600)), np.zeros((2, pattern.slots)), loops.symmetric_places
+        loops.add_forces(touching, points.pull * points.gap, r[0])
+        places(stencils, pattern).add_squares(touching, r[1], values[0])
+        places(stencils, pattern).add_hessians(touching, r[2], values[1])
         assert np.abs(values[0]).max() > 0.0
+        assert_allclose(r[1:], r[[0, 0]], rtol=1e-12, atol=1e-12 * np.abs(r[0]).max())
         found.append((r, *values))
     for one, other in zip(*found, strict=True):
         assert_allclose(one, other, rtol=0, atol=1e-12 * np.abs(other).max())
