@@ -22,6 +22,7 @@ from .linear.choice import LINEAR_SOLVERS, choose_solver
 from .linear.factors import LinearSolver
 from .overlay import Overlay, convexly, exactly
 from .pattern import SparsityPattern
+from .trials import Trials, at, trial
 
 _EPS = float(np.finfo(np.float64).eps)
 
@@ -57,7 +58,7 @@ class System:
         self._base = self.pattern = base
         self._exact = Terms.bound(model, base, model.driver, exactly)
         self._overlay = Overlay(base, model.changing, model.driver) if model.changing else None
-        self._assembly = Assembly(model, base)
+        self._assembly, self._trials = Assembly(model, base), Trials(model)
         self._energies = [energy for term in self.terms if (energy := term.potential) is not None]
         self._others = [term for term in self.terms if term.potential is None]
         self._split = model.dofs.n_positions
@@ -136,19 +137,13 @@ class System:
 
     def at(self, state: State) -> Configuration:
         """A state as a trial point."""
-        frames = self.model.frames.transport(state.frames, state.q)
-        return Configuration(state.law_time, state.q, state.v, frames, state.inputs)
+        return at(self.model, state) if self._overlay is None else self._trials.at(state)
 
     def configuration(self, stage: Stage, q: FloatArray, stored: FrameState) -> Configuration:
         """Evaluate the trial point of a stage."""
-        position = stage.position(q)
-        return Configuration(
-            stage.t_stage,
-            position,
-            stage.velocity(q),
-            self.model.frames.transport(stored, position),
-            stage.inputs,
-        )
+        if self._overlay is None:
+            return trial(self.model, stage, q, stored)
+        return self._trials.trial(stage, q, stored)
 
     def linearize(self, stage: Stage, q: FloatArray, stored: FrameState) -> Linearized:
         """Residual and tangent of a stage, with the sizes that say when the residual is small."""
