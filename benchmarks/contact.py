@@ -1,116 +1,58 @@
-"""Cost of contact by phase: search, distances, points with forces and stiffness, beside a factorisation."""
+"""Cost of contact by phase, beside factorisations and beside what ipctk needs to find as much."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import os
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
+from math import nan
 
 import numpy as np
 
-from dismech_cli import load_mapping, simulate
-from dismech_cli.compose.compose import compose
+from dismech_cli.arrays import FloatArray
 from dismech_cli.contact.contact import Contacts
+from dismech_cli.contact.guard import Guard
 from dismech_cli.contact.rod_pairs import RodPairs
+from dismech_cli.contact.search import Search
 from dismech_cli.contact.surface_pairs import SurfacePairs
+from dismech_cli.contact.surface_search import FaceSearch
 from dismech_cli.kernels.linearization import Linearization
-from dismech_cli.model.configuration import Configuration
-from dismech_cli.model.model import Model
-from dismech_cli.model.state import State
 from dismech_cli.solve.integrators import ImplicitEuler
+from dismech_cli.solve.overlay import Overlay
+from dismech_cli.solve.problem import NewtonSettings, StageProblem
 from dismech_cli.solve.system import System
 
 from .clock import in_turns
+from .contact_cases import DT, Case, folded, heap, shipped
+from .other_detection import detection
 from .table import table, verdict
 
-SCENES = Path(__file__).resolve().parents[1] / "scenarios"
-DT = 5e-3
 # Detection and terms against a factorisation and solution of the scene without contact; the extension of the
-# pattern with its slots against a factorisation with contact.
-BAR, EXTENSION_BAR = 0.8, 0.5
+# pattern with its slots, and a whole iteration, against a factorisation with contact.
+BAR, EXTENSION_BAR, ITERATION_BAR = 0.8, 0.5, 3.0
+LARGE = "DISMECH_BENCHMARK_LARGE"
+"""Set to measure the largest scene too, which takes minutes."""
 
-
-@dataclass(frozen=True, slots=True)
-class Case:
-    """A scene in which bodies touch.
-
-    Attributes:
-        name: What touches.
-        model: The scene.
-        state: A state with contact.
-    """
-
-    name: str
-    model: Model
-    state: State
-
-
-def shipped(name: str, until: float) -> Case:
-    """A scene of the gallery at a time."""
-    report = simulate(SCENES / f"{name}.yaml", overrides=[f"numerics.t_end={until}"], kernels="numba")
-    return Case(name, report.composition.simulation.model, report.outcome.state)
-
-
-def composed(name: str, bodies: list[dict[str, object]]) -> Case:
-    """Bodies of a soft material as they lie."""
-    deck = {
-        "schema_version": 1,
-        "name": "contact",
-        "materials": {"m": {"youngs_modulus": 1e6, "poisson_ratio": 0.5, "density": 1e3}},
-        "geometry": bodies,
-        "contact": {},
-        "numerics": {"dt": DT, "t_end": 1.0, "integrator": {"type": "implicit_euler"}},
-    }
-    simulation = compose(load_mapping(deck), kernels="numba").simulation
-    return Case(name, simulation.model, simulation.start)
-
-
-def heap(rods: int, nodes: int) -> Case:
-    """Rods thrown on a heap: straight, at random, about ten thousand pairs near each other."""
-    rng = np.random.default_rng(0)
-    size = 0.1 * (rods / 100.0) ** (1.0 / 3.0)
-    bodies: list[dict[str, object]] = []
-    for k in range(rods):
-        middle, direction = rng.uniform(-size, size, 3), rng.normal(size=3)
-        half = 0.25 * direction / np.linalg.norm(direction)
-        line = {"shape": "line", "from": (middle - half).tolist(), "to": (middle + half).tolist()}
-        bodies.append(
-            {"type": "rod", "name": f"r{k}", "material": "m", "radius": 2e-3}
-            | {"generate": line | {"nodes": nodes}}
-        )
-    return composed(f"{rods} rods of {nodes} nodes", bodies)
-
-
-def folded(triangles: int) -> Case:
-    """Three wavy layers of cloth, each a tenth of its thickness in the next, edges of 20 thicknesses."""
-    thickness = 1e-3
-    edge = 20.0 * thickness
-    # a sheet has about 2.3 triangles per division squared
-    divisions = round(np.sqrt(triangles / 3.0 / 2.3))
-    size = divisions * edge
-    bodies: list[dict[str, object]] = [
-        {
-            "type": "shell",
-            "name": f"layer{k}",
-            "material": "m",
-            "thickness": thickness,
-            "generate": {
-                "shape": "sheet",
-                "origin": [0.31 * k * edge, 0.17 * k * edge, 0.9 * k * thickness],
-                "length": size,
-                "width": size,
-                "divisions": divisions,
-            },
-        }
-        for k in range(3)
-    ]
-    case = composed("", bodies)
-    q = case.state.q.copy()
-    x = case.model.dofs.positions(q)
-    x[:, 2] += np.random.default_rng(0).uniform(-0.05, 0.05, len(x)) * thickness
-    (contact,) = case.model.changing
-    count = len(contact.faces.surface.nodes)  # type: ignore[attr-defined]
-    return Case(f"three layers of {count} triangles", case.model, replace(case.state, q=q))
+HEADS = (
+    "scene",
+    "candidates",
+    "points",
+    "search",
+    "distances",
+    "points of contact",
+    "forces and stiffness",
+    "way",
+    "factorise with contact",
+    "solve with contact",
+    "solve without",
+    "extension",
+    "iteration",
+    "ipctk: search",
+    "ipctk: distances",
+    "distances, points and terms / solve without",
+    "extension / factorise with",
+    "iteration / factorise with",
+)
 
 
 def report(quick: bool) -> str:
@@ -124,106 +66,157 @@ def report(quick: bool) -> str:
     ]
     if not quick:
         cases.append(lambda: folded(20_000))
+    if os.environ.get(LARGE):
+        cases.append(lambda: folded(100_000))
     rows = [_row(case(), 0.5 if quick else 2.0) for case in cases]
     return "\n\n".join(
         (
             "## Contact\n\nBodies that touch, by Numba [ms]: the search for what is near (once per half a "
-            "thickness of motion), distances of what it found and points of contact (both once per trial "
-            "point), their forces and stiffness; beside factorisation and solution of the matrix "
-            "with contact and without, and the extension of the pattern (once per change: entries, merging, "
-            "slots).",
-            table(
-                (
-                    "scene",
-                    "candidates",
-                    "points",
-                    "search",
-                    "distances",
-                    "points of contact",
-                    "forces and stiffness",
-                    "solve with contact",
-                    "solve without",
-                    "extension",
-                    "distances, points and terms / solve without",
-                    "extension / solve with",
-                ),
-                rows,
-            ),
+            "thickness of motion), distances of what it found, those of the core included, and points of "
+            "contact (both once per trial point), their forces and stiffness, how far a Newton step may go; "
+            "beside factorisation of the matrix with contact, its solution too, both without contact, the "
+            "extension of the pattern (once per change: entries, merging, slots), and a whole iteration. "
+            "Beside them, where ipctk is installed (`pip install 'dismech[oracle]'`), the candidates and the "
+            f"collisions that it builds on one thread. `{LARGE}=1` adds 100 000 triangles.",
+            table(HEADS, rows),
         )
     )
 
 
+@dataclass(frozen=True)
+class Bench:
+    """A scene that is bound, at its state with contact."""
+
+    case: Case
+    system: System
+    alone: System
+    contacts: Contacts
+    overlay: Overlay
+
+    @classmethod
+    def of(cls, case: Case) -> Bench:
+        """Bind a scene."""
+        model = case.model
+        free = np.ones(model.dofs.n, dtype=np.bool_)
+        system, alone = System(model, free), System(replace(model, changing=()), free, "pardiso")
+        system.recall(case.state)
+        overlay = system._overlay
+        assert overlay is not None
+        (contacts,) = overlay.sets
+        assert isinstance(contacts, Contacts)
+        return cls(case, system, alone, contacts, overlay)
+
+    @property
+    def source(self) -> RodPairs | SurfacePairs:
+        """What finds most of the contact."""
+        return next(one for one in self.contacts._sources if isinstance(one, RodPairs | SurfacePairs))
+
+    @property
+    def search(self) -> Search | FaceSearch:
+        """What finds its pairs."""
+        return self.source._search
+
+    def forget(self) -> None:
+        """Forget what was found at the last trial point, but for the candidates."""
+        search = self.search
+        if isinstance(search, FaceSearch):
+            search._seen = search._way = None
+        else:
+            search._measured = np.empty(0)
+        for guard in self.contacts._sources:
+            if isinstance(guard, Guard):
+                guard._seen = None
+        self.contacts._at = None
+
+    def actions(self) -> Sequence[Callable[[], object]]:
+        """What is measured, in the order of the heads; what it forgets costs nothing."""
+        case, system = self.case, self.system
+        state = case.state
+        stage = ImplicitEuler().stage(0, state, state, DT)
+        problem = StageProblem(system, stage, state.frames, NewtonSettings())
+        now = problem.linearize(state.q)
+        values, rhs = now.values.copy(), -now.residual[problem.free]
+        less = self.alone.linearize(stage, state.q, state.frames).values.copy()
+        c = system.configuration(stage, state.q, state.frames)
+        x = case.model.dofs.space_positions(state.q)
+        into = Linearization.of(case.model.dofs.n, system.pattern.slots)
+        (normal, *_) = self.contacts.terms
+        step = system.solver.factorize(values).solve(rhs)
+
+        def distances() -> None:
+            self.forget()
+            for source in self.contacts._sources:
+                source.detect(x)
+
+        def found() -> object:
+            self.contacts._at = None
+            return self.contacts.touching(c)
+
+        def extended() -> None:
+            extender = self.overlay._extender
+            extender.extended(extender.entries(self.contacts.couplings))
+            for term in self.contacts.terms:
+                term.place(system.pattern)
+
+        def iteration() -> None:
+            self.forget()
+            # where this iteration begins the last one has looked for the way, where it ends none has
+            del system._trials._trials[1:]
+            now = problem.linearize(state.q)
+            problem.spent = 0
+            step = problem.tangent(state.q, now).updated(now).solve(-now.residual[problem.free])
+            problem.size(step)
+            problem.stride(state.q, now, step)
+
+        return (
+            lambda: self.search.find(x, self.search.skin),
+            distances,
+            found,
+            lambda: normal.add_linearization(c, into),
+            lambda: problem.longest_step(state.q, step),
+            lambda: system.solver.factorize(values),
+            lambda: system.solver.factorize(values).solve(rhs),
+            lambda: self.alone.solver.factorize(less).solve(rhs),
+            extended,
+            iteration,
+        )
+
+
 def _row(case: Case, seconds: float) -> tuple[object, ...]:
-    model, state = case.model, case.state
-    free = np.ones(model.dofs.n, dtype=np.bool_)
-    system, alone = System(model, free), System(replace(model, changing=()), free, "pardiso")
-    system.recall(state)
-    stage = ImplicitEuler().stage(0, state, state, DT)
-    values = system.linearize(stage, state.q, state.frames).values.copy()
-    less = alone.linearize(stage, state.q, state.frames).values.copy()
-    overlay = system._overlay
-    assert overlay is not None
-    (contacts,) = overlay.sets
-    assert isinstance(contacts, Contacts)
-    c: Configuration = system.configuration(stage, state.q, state.frames)
-    x = model.dofs.space_positions(state.q)
-    source = next(one for one in contacts._sources if isinstance(one, RodPairs | SurfacePairs))
-    into = Linearization.of(model.dofs.n, system.pattern.slots)
-    (normal,) = contacts.terms
-    b = np.ones(system.pattern.m)
-
-    def found() -> object:
-        contacts._at = None
-        return contacts.touching(c)
-
-    def extended() -> None:
-        extender = overlay._extender
-        extender.extended(extender.entries(contacts.couplings))
-        normal.place(system.pattern)
-
-    search, distances = _detection(source, x)
-    actions: list[Callable[[], object]] = [
-        search,
-        distances,
-        found,
-        lambda: normal.add_linearization(c, into),
-        lambda: system.solver.factorize(values).solve(b),
-        lambda: alone.solver.factorize(less).solve(b),
-        extended,
-    ]
-    points = sum(len(one.points.item) for one in contacts.touching(c))
+    bench = Bench.of(case)
+    actions = bench.actions()
     turns = 1e3 * in_turns(actions, seconds=seconds)
-    ratio = float(np.median(turns[:, 1:4].sum(axis=1) / turns[:, 5]))
-    growth = float(np.median(turns[:, 6] / turns[:, 4]))
+    ratio = float(np.median(turns[:, 1:4].sum(axis=1) / turns[:, 7]))
+    growth = float(np.median(turns[:, 8] / turns[:, 5]))
+    whole = float(np.median(turns[:, 9] / turns[:, 5]))
+    c = bench.contacts._at
+    assert c is not None
+    points = sum(len(one.points.item) for one in bench.contacts.touching(c))
     return (
         case.name,
-        _candidates(source),
+        _candidates(bench.search),
         points,
         *turns.min(axis=0).tolist(),
+        *_others(bench, seconds),
         verdict(ratio, BAR),
         verdict(growth, EXTENSION_BAR),
+        verdict(whole, ITERATION_BAR),
     )
 
 
-def _candidates(source: RodPairs | SurfacePairs) -> int:
-    return len(source._candidates.keys if isinstance(source, SurfacePairs) else source._search.candidates)
+def _others(bench: Bench, seconds: float) -> tuple[float, float]:
+    """What ipctk takes to find candidates and collisions [ms]; not a number where it is not installed."""
+    contact = bench.contacts._contact
+    x: FloatArray = bench.case.model.dofs.space_positions(bench.case.state.q)
+    faces = np.empty((0, 3), dtype=np.int64) if contact.faces is None else contact.faces.surface.nodes
+    actions = detection(
+        x, contact.lines.nodes, faces, 2.0 * float(contact.lines.radii.max()), bench.search.skin
+    )
+    if not actions:
+        return nan, nan
+    search, build = (1e3 * in_turns(actions, seconds=0.5 * seconds)).min(axis=0).tolist()
+    return search, build
 
 
-def _detection(
-    source: RodPairs | SurfacePairs, x: np.ndarray
-) -> tuple[Callable[[], object], Callable[[], object]]:
-    """Search, and distances of what it found."""
-    if isinstance(source, SurfacePairs):
-
-        def look() -> object:
-            source._seen = None
-            return source._look(x)
-
-        return lambda: source._find(x, source._skin), look
-    search = source._search
-
-    def measure() -> None:
-        search._measured = np.empty(0)
-        search.measure(x)
-
-    return lambda: search._find(x, search.skin), measure
+def _candidates(search: Search | FaceSearch) -> int:
+    return len(search.candidates.keys if isinstance(search, FaceSearch) else search.candidates)

@@ -42,12 +42,13 @@ class Filler:
         """See :func:`.point_loops.fill_points`."""
         count, n = 3 * pieces, 2 + self._faced
         scalars = len(point_loops.SCALARS)
-        sizes = np.cumsum([scalars, 9, n, 3 * self._slopes]) * count
-        if sizes[-1] > len(self._numbers):
-            self._numbers = np.empty(2 * sizes[-1])
-        numbers, vectors, weights, spread = np.split(self._numbers[: sizes[-1]], sizes[:-1])
-        numbers, vectors = numbers.reshape(scalars, count), vectors.reshape(3, 3, count)
-        weights, spread = weights.reshape(n, count), spread.reshape(self._slopes, 3, count)
+        height = scalars + 9 + n + 3 * self._slopes
+        if height * count > len(self._numbers):
+            self._numbers = np.empty(2 * height * count)
+        every = self._numbers[: height * count].reshape(height, count)
+        numbers, vectors = every[:scalars], every[scalars : scalars + 9].reshape(3, 3, count)
+        weights = every[scalars + 9 : scalars + 9 + n]
+        spread = every[scalars + 9 + n :].reshape(self._slopes, 3, count)
         item = np.empty(count, dtype=np.int64)
         self._fill(rows, piece_item, table, reach, factor, item, numbers, vectors, weights, spread)
         s, energy, pull, along, load, growth, identity, axis, turn = numbers

@@ -14,6 +14,8 @@ from .neighbours import Neighbours
 # distances are asked for.
 SKIN: Final = 0.5
 MARGIN: Final = 0.25
+# A search ahead goes so many times the thickness farther at most.
+_AHEAD: Final = 4.0
 
 
 class Search:
@@ -65,11 +67,9 @@ class Search:
     def reaching(self, x0: FloatArray, x1: FloatArray) -> IntArray:
         """Pairs that may come within reach of each other on a way, shape (P, 2)."""
         used = self.neighbours.lines.nodes[self.neighbours.numbers]
-        moved = float(np.sqrt(((x1 - x0)[used] ** 2).sum(axis=-1)).max(initial=0.0))
-        self._look(x0)
-        if 2.0 * moved + 2.0 * self._strayed(x0) <= self.skin:
-            return self.candidates
-        return self.find(x0, 2.0 * moved)
+        moved = 2.0 * float(np.sqrt(((x1 - x0)[used] ** 2).sum(axis=-1)).max(initial=0.0))
+        self._look(x0, moved)
+        return self.candidates if moved + 2.0 * self._strayed(x0) <= self.skin else self.find(x0, moved)
 
     def find(self, x: FloatArray, more: float) -> IntArray:
         """Allowed pairs within reach and ``more`` [m], shape (P, 2)."""
@@ -77,10 +77,13 @@ class Search:
             self.neighbours.numbers[self.loops.near_among(self.neighbours.boxes(x, more))]
         )
 
-    def _look(self, x: FloatArray) -> None:
-        """Search anew if nodes have moved so far that pairs may be missing."""
-        if self._searched is not None and 2.0 * self._strayed(x) <= self.skin - MARGIN * self._thick:
+    def _look(self, x: FloatArray, ahead: float = 0.0) -> None:
+        """Search anew if nodes have moved, or will move ahead [m], so far that pairs may be missing."""
+        ahead = min(ahead, _AHEAD * self._thick)
+        room = max(MARGIN * self._thick, ahead)
+        if self._searched is not None and 2.0 * self._strayed(x) <= self.skin - room:
             return
+        self.skin = SKIN * self._thick + ahead
         self._searched = x.copy()
         self.candidates = self.find(x, self.skin)
         self._nodes = self.neighbours.nodes(self.candidates)

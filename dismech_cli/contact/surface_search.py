@@ -16,7 +16,7 @@ from .loops import Loops, Near
 _SKIN: Final = 0.5
 MARGIN: Final = 0.1
 # Of what moved between two searches, the next one goes so many times farther; no farther than so many times
-# the thickness, or half of what boxes are large.
+# the thickness, or half of a line.
 _AHEAD: Final = 4.0
 _HALF: Final = 0.5
 
@@ -99,6 +99,7 @@ class FaceSearch:
             float(faces.own_reach[faces.numbers].min(initial=np.inf)),
             float(faces.lines.radii[faces.numbers].min(initial=np.inf) + faces.surface.halves.min()),
         )
+        self._most = max(_AHEAD * self._thick, _HALF * float(np.median(faces.lines.lengths[faces.numbers])))
         self._used = np.union1d(faces.lines.nodes[faces.numbers], faces.surface.nodes)
         self.candidates = Candidates.of(faces, np.empty(0, dtype=np.int64))
         self.skin = 0.0
@@ -145,7 +146,7 @@ class FaceSearch:
     def _on_way(self, x0: FloatArray, x1: FloatArray, moved: float) -> tuple[Candidates, FloatArray]:
         """Pairs of which some come near, and no more than their distances on the way; kept as a look is."""
         if self._way is None or not (np.array_equal(self._way[0], x0) and np.array_equal(self._way[1], x1)):
-            self._search(x0)
+            self._search(x0, moved)
             found = self.candidates
             if moved + 2.0 * self._strayed(x0) > self.skin:
                 found = self.find(x0, moved)
@@ -153,23 +154,17 @@ class FaceSearch:
             self._way = x0.copy(), x1.copy(), found, apart
         return self._way[2], self._way[3]
 
-    def _search(self, x: FloatArray) -> None:
-        """Search anew if nodes have moved so far that pairs may be missing."""
-        spare = self.skin - MARGIN * self._thick
+    def _search(self, x: FloatArray, ahead: float = 0.0) -> None:
+        """Search anew if nodes have moved, or will move ahead [m], so far that pairs may be missing."""
+        ahead = min(ahead, self._most)
+        room = max(MARGIN * self._thick, ahead)
         strayed = 0.0 if self._searched is None else self._strayed(x)
-        if self._searched is not None and 2.0 * strayed <= spare:
+        if self._searched is not None and 2.0 * strayed <= self.skin - room:
             return
-        most = max(_AHEAD * self._thick, _HALF * self._size(x))
-        self.skin = _SKIN * self._thick + min(_AHEAD * strayed, most)
+        self.skin = _SKIN * self._thick + max(ahead, min(_AHEAD * strayed, self._most))
         self._searched = x.copy()
         self._seen = self._way = None
         self.candidates = self.find(x, self.skin)
-
-    def _size(self, x: FloatArray) -> float:
-        """How long lines mostly are [m]."""
-        ends = x[self.faces.lines.nodes[self.faces.numbers]]
-        way = ends[:, 1] - ends[:, 0]
-        return float(np.sqrt(np.median((way * way).sum(axis=1))))
 
     def _strayed(self, x: FloatArray) -> float:
         """How far a node has moved since the last search [m]."""
