@@ -2,6 +2,9 @@
 
 Each section is written to results/<section>.md as soon as it is measured, and RESULTS.md joins
 them: a single section can be repeated without the others.
+
+``python -m benchmarks extremes`` and ``scene_trade`` measure no time of a section; they write tables of
+their own.
 """
 
 from __future__ import annotations
@@ -9,6 +12,7 @@ from __future__ import annotations
 import argparse
 import os
 import platform
+import sys
 from importlib import import_module
 from importlib.metadata import version
 from pathlib import Path
@@ -30,12 +34,18 @@ SECTIONS = (
     "start_up",
     "memory",
 )
+TABLES = ("extremes", "scene_trade")
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 HERE = Path(__file__).resolve().parent
 
 
 def main() -> None:
-    """Measure the sections asked for, and join the table."""
+    """Measure the sections asked for, and join the table; or make another table."""
+    # read when NumPy, MKL and Numba are first imported, which sections and tables do
+    os.environ.update(dict.fromkeys(THREADS, "1"))
+    if sys.argv[1:2] and sys.argv[1] in TABLES:
+        import_module(f"benchmarks.{sys.argv[1]}").main(sys.argv[2:])
+        return
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
     parser.add_argument("sections", nargs="*", metavar="section", help=", ".join(SECTIONS))
     parser.add_argument("--quick", action="store_true", help="fewer repetitions")
@@ -43,8 +53,6 @@ def main() -> None:
     unknown = set(arguments.sections) - set(SECTIONS)
     if unknown:
         parser.error(f"no section {', '.join(sorted(unknown))}; there are {', '.join(SECTIONS)}")
-    # read when NumPy, MKL and Numba are first imported, which the sections do
-    os.environ.update(dict.fromkeys(THREADS, "1"))
     parts = HERE / "results"
     parts.mkdir(exist_ok=True)
     for name in arguments.sections or SECTIONS:

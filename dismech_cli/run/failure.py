@@ -144,6 +144,20 @@ def _advice(simulation: Simulation, status: Status, *, cut: bool) -> str:
     return found[-1] if found else status.advice
 
 
+def describe_rounded(simulation: Simulation, state: State) -> Failure:
+    """What to say when the loads of a robot at rest are lost in rounding."""
+    model = simulation.model
+    return Failure(
+        f"the solver gave up at t = {state.t:.6g} of the load: lost in rounding\n"
+        f"  {model.dofs.n} degrees of freedom: forces between neighbours round by more than the loads that "
+        f"bend "
+        "the whole, which hardly moved\n"
+        "  advice: take a coarser mesh, of at most some 1000 edges per rod that bends as a whole, or let it "
+        "come "
+        "to rest in time"
+    )
+
+
 def describe_runaway(simulation: Simulation, shown: Snapshot, dt: float) -> Failure:
     """What to say when a run makes energy out of nothing, seen after a step of ``dt`` [s]."""
     message = "\n".join(

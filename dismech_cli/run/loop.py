@@ -21,12 +21,14 @@ from .failure import (
     describe_failure,
     describe_growth,
     describe_infinite,
+    describe_rounded,
     describe_runaway,
     describe_singular,
     describe_symmetry,
     describe_unstable,
 )
 from .interrupt import StopRequest
+from .rounded import rounded_away
 from .simulation import Simulation
 from .sink import Sink
 from .touched import Penetration
@@ -154,6 +156,10 @@ def _advance(course: Course, limits: Limits, stop: StopRequest) -> Outcome:
         if time.monotonic() - saved >= limits.checkpoint_every:
             course.checkpoint()
             saved = time.monotonic()
+    if not course.simulation.model.mass.any() and rounded_away(
+        course.stepper.system, course.simulation.start, course.state
+    ):
+        return _blown_up(course, describe_rounded(course.simulation, course.state))
     course.checkpoint()
     return _ended(course, End.DONE, Failure(""), _doubts(course))
 

@@ -56,3 +56,33 @@ def test_slender_rods(tmp_path: Path, aspect: float) -> None:
     )
     result = attempt(tmp_path, deck)
     assert result.outcome.end is not End.DONE or tip(result)[2] == pytest.approx(-LOAD, rel=0.01)
+
+
+@pytest.mark.parametrize(("nodes", "told"), [(2001, False), (10_001, True)])
+def test_a_mesh_in_which_bending_rounds_away_is_named(tmp_path: Path, nodes: int, told: bool) -> None:
+    """The stiffness of the whole, E I / L^3, is less than the rounding of that of an edge, E I / l^3."""
+    deck = rod_deck(
+        line(nodes),
+        given_section(axial=1e4),
+        forces=[{"type": "gravity", "acceleration": [0.0, 0.0, -8e-3]}],
+        numerics={"integrator": {"type": "static", "load_steps": 1}},
+    )
+    result = attempt(tmp_path, deck)
+    if told:
+        assert result.outcome.end is End.FAILED
+        assert "lost in rounding" in result.outcome.message
+        assert "take a coarser mesh" in result.outcome.message
+    else:
+        assert tip(result)[2] == pytest.approx(-1e-3, rel=0.01)
+
+
+def test_a_rod_that_hangs_needs_no_bending(tmp_path: Path) -> None:
+    """Its edges stretch one by one: m g L / 2 EA, whatever the mesh."""
+    deck = rod_deck(
+        line(6001, [0.0, 0.0, -1.0]),
+        given_section(axial=1e4),
+        forces=[{"type": "gravity", "acceleration": [0.0, 0.0, -10.0]}],
+    )
+    result = attempt(tmp_path, deck)
+    assert result.outcome.end is End.DONE
+    assert tip(result)[2] + 1.0 == pytest.approx(-5e-4, rel=1e-3)

@@ -8,6 +8,7 @@ import json
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from cli_call import Call, call
 from decks import Deck, given_section, line, rod_deck
@@ -116,6 +117,9 @@ def test_an_unreachable_target_is_exit_4(call: Call, tmp_path: Path) -> None:
         (["--over", "numerics.td=1 ms:3"], "numerics.td: unknown key"),
         (["--quantity", "top"], "no probe 'top' in output.probes"),
         (["--quantity", "tip:sum"], "--quantity"),
+        (["--quantity", "shape:last"], "of the shape there is 'max' and 'rms', no 'last'"),
+        (["--quantity", "shape", *MESH], "the shapes of different meshes cannot be compared: name probes"),
+        (["--reference", "best"], "--reference"),
         (["--set", "numerics.dt=5 ms", "--over", "numerics.dt=10 ms:3"], "the study tries its values"),
     ],
 )
@@ -137,3 +141,52 @@ def test_what_was_not_refined_is_told(call: Call, tmp_path: Path) -> None:
     _, found = _studied(call, tmp_path, *STEPS, "--target", "5%")
     assert found["not_refined"] == ["mesh"]
     assert "mesh not known, none finer was tried" in found["message"]
+
+
+def test_without_probes_the_shape_counts(call: Call, tmp_path: Path) -> None:
+    """Root mean square over the nodes, against a run of 16 times the steps."""
+    deck = {key: value for key, value in DECK.items() if key != "output"} | {"output": {"every": 0.06}}
+    code, found = _studied(call, tmp_path, *STEPS, "--target", "3%", deck=deck)
+    assert code == 0
+    assert found["quantities"]["shape"]["probe"] == "shape"
+    from dismech_cli import simulate
+
+    fine, answer = (
+        np.array([frame.positions for frame in simulate(deck, overrides=one).frames])
+        for one in (["numerics.dt=1 ms"], [*found["set"], "output.every=0.06 s"])
+    )
+    if len(fine) == len(answer):
+        size = np.sqrt(((fine - fine[0]) ** 2).sum(axis=2).mean(axis=1)).max()
+        off = np.sqrt(((answer - fine) ** 2).sum(axis=2).mean(axis=1)).max()
+        assert off < 0.03 * size
+
+
+def test_errors_may_be_distances_from_the_finest_run(call: Call, tmp_path: Path) -> None:
+    code, found = _studied(call, tmp_path, *STEPS, "--target", "3%", "--reference", "finest", "--all")
+    assert code == 0
+    assert found["reference"] == "finest"
+    errors = {one["settings"]["numerics.dt"]: one["error"] for one in found["points"]}
+    assert errors["0.00375 s"] is None
+    from dismech_cli import simulate
+
+    tips = [
+        simulate(DECK, overrides=[f"numerics.dt={dt} s", "output.every=0.015 s"]).probes["tip"]
+        for dt in (0.015, 0.00375)
+    ]
+    # ranges are those of the first run of the study
+    assert errors["0.015 s"] == pytest.approx(abs(tips[0] - tips[1]).max() / np.ptp(tips[1]), rel=0.1)
+
+
+def test_the_finest_run_meets_no_target(call: Call, tmp_path: Path) -> None:
+    code, found = _studied(
+        call, tmp_path, "--over", "numerics.dt=0.06 s:3", "--target", "1e-6", "--reference", "finest"
+    )
+    assert code == 4
+    assert "only the finest run is left, from which errors are measured: add a level" in found["message"]
+
+
+def test_memory_is_in_the_table(call: Call, tmp_path: Path) -> None:
+    _, found = _studied(call, tmp_path, *STEPS)
+    memory = [one["memory [MB]"] for one in found["points"]]
+    # imports alone take tens of megabytes; where the system does not tell, there is none
+    assert all(one is None or 20 < one < 4000 for one in memory)

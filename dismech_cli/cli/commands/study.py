@@ -40,6 +40,14 @@ def study(
     target: Annotated[
         str | None, typer.Option("--target", metavar="SHARE", help="Largest error allowed, such as 1%.")
     ] = None,
+    reference: Annotated[
+        str | None,
+        typer.Option(
+            "--reference",
+            metavar="levels|finest",
+            help="Know errors from differences between levels, or as distances from the finest run.",
+        ),
+    ] = None,
     every: Annotated[bool, typer.Option("--all", help="Run every combination.")] = False,
     output: Annotated[
         Path | None,
@@ -56,7 +64,7 @@ def study(
     use_threads(None, False)
     from ...output.jsonable import dumps
     from ...session.exit_codes import Exit
-    from ...studies.study.given_study import given_over, given_quantities, given_target
+    from ...studies.study.given_study import given_over, given_quantities, given_reference, given_target
     from ...studies.study.study import PAGE_FILE, Request
     from ...studies.study.study import study as run
     from ...studies.study.study_text import as_json
@@ -73,6 +81,7 @@ def study(
         over=given_over(over or ()),
         quantities=given_quantities(quantity or ()),
         target=given_target(target),
+        reference=given_reference(reference),
         every=every,
         folder=output,
     )

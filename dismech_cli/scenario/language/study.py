@@ -18,9 +18,12 @@ Norm: TypeAlias = Literal["max", "rms", "last", "mean", "period"]
 
 
 class Measured(Spec):
-    """A quantity whose error counts: a probe of `output.probes`, as a course or as a number."""
+    """A quantity whose error counts: a probe of `output.probes`, as a course or as a number; or the shape."""
 
-    probe: Name = Field(description="Name of the probe.")
+    probe: Name = Field(
+        description="Name of the probe. `shape`, if none has that name, is that of everything: root mean "
+        "square over all nodes, in the frames of the run."
+    )
     norm: Norm = Field(
         default="max",
         description="`max` and `rms`: error of the course over time, as a share of its range; `last` and "
@@ -78,11 +81,19 @@ class Study(Spec):
     """
 
     quantities: Annotated[dict[Name, Measured], Field(min_length=1)] | None = Field(
-        default=None, description="Whose errors count, the largest of them; default: every probe."
+        default=None,
+        description="Whose errors count, the largest of them; default: every probe, or the shape if there is "
+        "none.",
     )
     over: Annotated[dict[str, Axis], Field(min_length=1)] | None = Field(
         default=None, description="What is tried; default: five levels from four times `numerics.dt` on."
     )
     target: Annotated[float, Quantity("ratio", gt=0, lt=1)] = Field(
         default=0.02, description="The largest error allowed."
+    )
+    reference: Literal["levels", "finest"] = Field(
+        default="levels",
+        description="How errors are known where no `value` is given: from differences between `levels`, with "
+        "a margin; or as distances from the `finest` run, which counts as right: that of the first "
+        "alternatives.",
     )

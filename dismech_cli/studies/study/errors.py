@@ -25,7 +25,7 @@ _SAFE, _UNSURE, _LEAST, _STEADY = 1.5, 2.0, 0.5, 0.5
 _TIMES: Final = 400
 
 Courses = Mapping[str, tuple[FloatArray, FloatArray]]
-"""Times [s] and values of each quantity, by name."""
+"""Times [s], shape (K,), and values of each quantity, by name: of a probe (K,), of the shape (K, N, 3)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,11 +86,25 @@ class Yardstick:
         self._quantities = quantities
         self._times = np.linspace(0.0, t_end, _TIMES + 1)
         self._ranges: dict[str, float] = {}
+        self._reference: Courses | None = None
+
+    @property
+    def given(self) -> bool:
+        """Whether all quantities have right values, whatever was run."""
+        return all(one.value is not None for one in self._quantities.values())
 
     @property
     def known(self) -> bool:
-        """Whether all quantities have right values."""
-        return all(one.value is not None for one in self._quantities.values())
+        """Whether it is known what is right: by given values, or a run that counts as right."""
+        return self.given or self._reference is not None
+
+    def measure_from(self, reference: Courses) -> None:
+        """Take a run as right."""
+        self._reference = reference
+
+    def is_reference(self, courses: Courses) -> bool:
+        """Whether these are of the run that counts as right: of its own error nothing is known."""
+        return courses is self._reference
 
     def start(self, courses: Courses) -> None:
         """Take the ranges of a run.
@@ -98,7 +112,7 @@ class Yardstick:
         Raises:
             ScenarioError: A quantity does not change: no error is a share of that.
         """
-        self._ranges = {name: float(np.ptp(courses[name][1])) for name in self._quantities}
+        self._ranges = {name: _extent(courses[name][1]) for name in self._quantities}
         still = [name for name, extent in self._ranges.items() if not extent > 0.0]
         if still:
             raise ScenarioError(f"study: {', '.join(still)} does not change in the run: name others")
@@ -108,7 +122,9 @@ class Yardstick:
         return max(self._apart(name, one, other) for name in self._quantities)
 
     def error(self, courses: Courses) -> float:
-        """The largest distance from the right values, as a share."""
+        """The largest distance from what is right, as a share."""
+        if self._reference is not None:
+            return self.distance(courses, self._reference)
         return max(
             abs(self._number(name, courses) - float(how.value or 0.0))
             / self._scale(name, float(how.value or 0.0))
@@ -118,8 +134,10 @@ class Yardstick:
     def _apart(self, name: str, one: Courses, other: Courses) -> float:
         norm = self._quantities[name].norm
         if norm in _COURSES:
+            if one[name][1].shape[1:] != other[name][1].shape[1:]:
+                raise ScenarioError("study: the shapes of different meshes cannot be compared: name probes")
             gap = _at(*one[name], self._times) - _at(*other[name], self._times)
-            return _COURSES[norm](gap) / self._ranges[name]
+            return _COURSES[norm](_size(gap)) / self._ranges[name]
         first, second = self._number(name, one), self._number(name, other)
         return abs(first - second) / self._scale(name, second)
 
@@ -131,7 +149,7 @@ class Yardstick:
 
 
 _COURSES: Mapping[str, Callable[[FloatArray], float]] = {
-    "max": lambda gap: float(np.abs(gap).max()),
+    "max": lambda gap: float(gap.max()),
     "rms": lambda gap: float(np.sqrt(np.mean(gap * gap))),
 }
 _NUMBERS: Mapping[str, Callable[[FloatArray, FloatArray], float]] = {
@@ -141,11 +159,23 @@ _NUMBERS: Mapping[str, Callable[[FloatArray, FloatArray], float]] = {
 }
 
 
+def _size(change: FloatArray) -> FloatArray:
+    """Of changes at some times, shape (K,): of shapes the root mean square over the nodes."""
+    if change.ndim == 1:
+        return np.abs(change)
+    size: FloatArray = np.sqrt((change * change).sum(axis=2).mean(axis=1))
+    return size
+
+
+def _extent(values: FloatArray) -> float:
+    """The range of a course; of shapes the farthest from the first."""
+    return float(np.ptp(values) if values.ndim == 1 else _size(values - values[0]).max())
+
+
 def _at(times: FloatArray, values: FloatArray, wanted: FloatArray) -> FloatArray:
     """A course at other times: by a spline, whose own error is far below that of the steps."""
-    if len(times) < 4:
-        return np.interp(wanted, times, values)
-    from scipy.interpolate import CubicSpline
+    from scipy.interpolate import CubicSpline, make_interp_spline
 
-    found: FloatArray = CubicSpline(times, values)(wanted)
+    spline = CubicSpline if len(times) >= 4 else lambda t, x: make_interp_spline(t, x, k=1)
+    found: FloatArray = spline(times, values)(wanted)
     return found

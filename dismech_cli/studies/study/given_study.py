@@ -65,6 +65,15 @@ def given_target(text: str | None) -> float | None:
     return share
 
 
+def given_reference(text: str | None) -> str | None:
+    """How errors are known.
+
+    Raises:
+        ScenarioError: There is no such way.
+    """
+    return None if text is None else _read("--reference", {"reference": text}).reference
+
+
 def _axis(option: str, value: str) -> Any:
     start, colon, levels = value.rpartition(":")
     if colon and levels.strip().isdigit():

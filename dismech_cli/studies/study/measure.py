@@ -9,6 +9,9 @@ from dataclasses import dataclass, field, replace
 from math import inf, nan
 from typing import Final
 
+import numpy as np
+
+from ...arrays import FloatArray
 from ...compose.compose import compose
 from ...errors import ScenarioError
 from ...model.saved import Arrays, Numbers
@@ -19,6 +22,7 @@ from ...run.sink import Progress
 from ...scenario.language.study import Measured
 from ..sweep.points import Base
 from .errors import Courses
+from .peak_memory import peak_memory, watch_peak
 from .space import Setting
 
 # Cuts that a run may have: some, and a quarter of its steps.
@@ -27,6 +31,8 @@ _CUTS, _CUT_SHARE = 20, 0.25
 _CAP, _LEAST_CAP, _DEARER = 300.0, 10.0, 4.0
 
 DONE: Final = "done"
+SHAPE: Final = "shape"
+"""Quantity that every scenario has, unless a probe of it has that name: the nodes of its frames."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -44,6 +50,7 @@ class Point:
         size: Steps times degrees of freedom.
         order: Of the integrator.
         t_end: End of the run.
+        memory: The most that the process had while it ran [byte]; NaN where that is not known.
         courses: Its quantities.
     """
 
@@ -57,6 +64,7 @@ class Point:
     size: float
     order: int
     t_end: float
+    memory: float = nan
     courses: Courses = field(repr=False)
 
     @property
@@ -80,9 +88,17 @@ class _Watch:
         self.began: float | None = None
         self.cuts = 0
         self.why = ""
+        self._shapes: list[tuple[float, FloatArray]] = []
 
     def frame(self, frame: Frame) -> None:
-        """Nothing."""
+        """Keep the shape."""
+        self._shapes.append((frame.t, frame.positions))
+
+    @property
+    def shapes(self) -> tuple[FloatArray, FloatArray]:
+        """Times [s] and shapes of the frames, (K,) and (K, N, 3)."""
+        times, shapes = zip(*self._shapes, strict=True)
+        return np.array(times), np.array(shapes)
 
     def checkpoint(self, arrays: Arrays, numbers: Numbers) -> None:
         """Nothing."""
@@ -134,13 +150,21 @@ def measure(
     """
     loaded = base.load([f"{key}={text}" for key, text in settings])
     simulation = compose(loaded).simulation
-    missing = [one.probe for one in quantities.values() if one.probe not in simulation.probes]
-    if missing:
-        raise ScenarioError(f"study: no probe {missing[0]!r} in output.probes")
-    watched = {name: simulation.probes[one.probe] for name, one in quantities.items()}
+    watched = {
+        name: simulation.probes[one.probe]
+        for name, one in quantities.items()
+        if one.probe in simulation.probes
+    }
+    shapes = [name for name in quantities if name not in watched]
+    for name in shapes:
+        if quantities[name].probe != SHAPE:
+            raise ScenarioError(f"study: no probe {quantities[name].probe!r} in output.probes")
+        if quantities[name].norm not in ("max", "rms"):
+            raise ScenarioError(f"study: of the shape there is 'max' and 'rms', no {quantities[name].norm!r}")
     steps = simulation.control.steps
     expected = price * steps * simulation.model.dofs.n
     watch = _Watch(stop, max(_DEARER * expected, _LEAST_CAP) if expected < inf else _CAP, steps)
+    watch_peak()
     outcome = run(replace(simulation, watched=watched), watch, stop=watch.stop)
     spent = watch.spent
     if stop.requested:
@@ -159,7 +183,9 @@ def measure(
         size=float(steps * simulation.model.dofs.n),
         order=simulation.integrator.order,
         t_end=simulation.control.t_end,
-        courses={name: (outcome.times, values) for name, values in outcome.watched.items()},
+        memory=peak_memory(),
+        courses={name: (outcome.times, values) for name, values in outcome.watched.items()}
+        | {name: watch.shapes for name in shapes},
     )
 
 

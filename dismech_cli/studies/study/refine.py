@@ -189,7 +189,9 @@ class Refinement:
 
     def _given_up(self, time: int, mesh: int, steps: Estimate, shape: Estimate) -> Found:
         point = self.runs.at(self.method, time, mesh)
-        if not point.stable:
+        if self.runs.yardstick.is_reference(point.courses):
+            reason = "only the finest run is left, from which errors are measured: add a level"
+        elif not point.stable:
             reason = f"unstable at the finest step: {point.message}"
         elif steps.error + shape.error <= self.runs.target:
             reason = "its levels do not converge steadily yet: add a level"

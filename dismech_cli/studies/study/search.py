@@ -16,6 +16,7 @@ from itertools import pairwise, product
 from math import ceil, inf, log
 from typing import Final
 
+from ...errors import ScenarioError
 from .errors import NO_ERROR, Estimate, Yardstick, estimate
 from .measure import Point
 from .refine import Found, Key, Refinement
@@ -87,6 +88,8 @@ class Search:
     def _along(self, points: list[Point], ratio: float, order: float) -> Estimate:
         if not points[-1].stable:
             return Estimate(inf, steady=False)
+        if self.yardstick.is_reference(points[-1].courses):
+            return Estimate(inf, steady=False)
         if self.yardstick.known:
             return Estimate(self.yardstick.error(points[-1].courses))
         stable = [one for one in points if one.stable]
@@ -98,6 +101,19 @@ class Search:
         return estimate(differences, ratio, order)
 
     # -- the search ----------------------------------------------------------------------------------------
+
+    def measure_from_finest(self) -> None:
+        """Take the finest run of the first alternative as right.
+
+        Raises:
+            ScenarioError: It is not stable.
+        """
+        point = self.at(0, len(self.space.time) - 1, len(self.space.mesh) - 1)
+        if not point.stable:
+            raise ScenarioError(
+                f"study: the finest run, which was to be the reference, is unstable: {point.message}"
+            )
+        self.yardstick.measure_from(point.courses)
 
     def find(self) -> list[Found]:
         """What every alternative that was worth it came to, the cheapest that meets the target first."""
@@ -188,7 +204,11 @@ class Search:
     def _known_shares(self) -> dict[Key, tuple[float, float]]:
         """The same of steps and of the mesh; both together as the first where right values are known."""
         if self.yardstick.known:
-            found = ((key, one) for key, one in self.points.items() if one.stable)
+            found = (
+                (key, one)
+                for key, one in self.points.items()
+                if one.stable and not self.yardstick.is_reference(one.courses)
+            )
             return {key: (self.yardstick.error(one.courses), 0.0) for key, one in found}
         steps: dict[tuple[int, int], float] = {}
         shapes: dict[int, float] = {}

@@ -41,6 +41,7 @@ class Studied:
         found: What each alternative came to that was worth it, the answer first.
         count: How many combinations there are.
         missing: What was not refined, whose error comes on top: ``steps``, ``mesh``.
+        reference: From what errors are measured.
         load: Mean number of busy cores of the machine as it ended; None if unknown.
     """
 
@@ -52,6 +53,7 @@ class Studied:
     found: tuple[Found, ...]
     count: int
     missing: tuple[str, ...]
+    reference: str
     load: float | None
 
     @property
@@ -83,11 +85,22 @@ def _quoted(text: str) -> str:
     return text if text.replace(".", "").replace("-", "").replace("_", "").isalnum() else f"'{text}'"
 
 
-COLUMNS: Final = ("settings", "status", "error", "best", "cpu [s]", "steps", "iterations", "cuts")
+COLUMNS: Final = (
+    "settings",
+    "status",
+    "error",
+    "best",
+    "cpu [s]",
+    "steps",
+    "iterations",
+    "cuts",
+    "memory [MB]",
+)
 
 
 def cells(row: Row) -> tuple[object, ...]:
     """A row of the table."""
     one = row.point
     cpu = round(one.cpu, 4) if one.stable else None
-    return one.label, one.status, row.error, row.best, cpu, one.steps, one.iterations, one.cuts
+    memory = round(one.memory / 1e6) if one.memory > 0.0 else None
+    return one.label, one.status, row.error, row.best, cpu, one.steps, one.iterations, one.cuts, memory

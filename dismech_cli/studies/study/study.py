@@ -6,6 +6,7 @@ import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
+from math import inf
 from pathlib import Path
 from typing import Final
 
@@ -22,12 +23,13 @@ from ...session.start import RESULTS
 from ..page import write_page
 from ..sweep.points import Base
 from .errors import Yardstick
-from .measure import Point, measure
+from .measure import SHAPE, Point, measure
 from .search import Search
 from .space import Setting, Space, make_space, with_study
 from .studied import Row, Studied
 from .study_page import study_page
 from .study_text import as_json, csv_text, markdown
+from .timing import timed_again
 
 JSON_FILE: Final = "study.json"
 CSV_FILE: Final = "study.csv"
@@ -44,6 +46,7 @@ class Request:
         over: What is tried; None takes that of the scenario.
         quantities: Whose errors count; None takes those of the scenario.
         target: Largest error allowed; None takes that of the scenario.
+        reference: How errors are known; None takes that of the scenario.
         every: Whether all combinations are run.
         folder: Where results go; None takes ``results/studies/<name>``.
     """
@@ -52,6 +55,7 @@ class Request:
     over: Mapping[str, Axis] | None = None
     quantities: Mapping[str, Measured] | None = None
     target: float | None = None
+    reference: str | None = None
     every: bool = False
     folder: Path | None = None
 
@@ -67,6 +71,7 @@ def study(request: Request, narrator: Narrator) -> Studied:
     loaded = request.base.load()
     spec = with_study(loaded)
     quantities = request.quantities or spec.quantities or _all_probes(loaded)
+    reference = request.reference or spec.reference
     target = request.target or spec.target
     space = make_space(loaded, request.over or spec.over)
     _refuse_given(request.base, space.settings(0, 0, 0))
@@ -87,16 +92,20 @@ def study(request: Request, narrator: Narrator) -> Studied:
             return point
 
         search = Search(space, told, yardstick, target)
+        if reference == "finest":
+            search.measure_from_finest()
         found = search.find_among_all() if request.every else search.find()
+        rows, found = timed_again(_rows(search), found, partial(made, price=inf))
     studied = Studied(
         name=loaded.scenario.name,
         folder=request.folder or RESULTS / "studies" / loaded.scenario.name,
         target=target,
         quantities=quantities,
-        rows=_rows(search),
+        rows=rows,
         found=tuple(found),
         count=space.count,
-        missing=() if yardstick.known else _missing(loaded, space),
+        missing=() if yardstick.given else _missing(loaded, space),
+        reference=reference,
         load=os.getloadavg()[0] if hasattr(os, "getloadavg") else None,
     )
     _write(studied)
@@ -119,10 +128,8 @@ def _refuse_given(base: Base, settings: Sequence[Setting]) -> None:
 
 
 def _all_probes(loaded: LoadedScenario) -> Mapping[str, Measured]:
-    probes = loaded.scenario.output.probes
-    if not probes:
-        raise ScenarioError(f"{loaded.path}: nothing to compare: add output.probes")
-    return {name: Measured(probe=name) for name in probes if name != "energy_error"}
+    probes = [name for name in loaded.scenario.output.probes if name != "energy_error"]
+    return {name: Measured(probe=name) for name in probes or (SHAPE,)}
 
 
 def _rows(search: Search) -> tuple[Row, ...]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from math import isfinite
+from typing import Final
 
 from ...output.manifest import installed_versions
 from .. import page
@@ -104,7 +105,15 @@ def _unstable(studied: Studied) -> Iterator[str]:
 def _small_print(studied: Studied) -> str:
     load = "" if studied.load is None else f" Load of the machine at the end: {studied.load:.1f}."
     return (
-        "CPU time of the steps of one run each, without imports and compilation, on one thread: good to "
-        "10 to 20 %. Errors are estimates from differences between levels, 1.25 or 2 times what these say; "
-        f"those of steps and mesh are added.{load}"
+        "CPU time of the steps, without imports and compilation, on one thread: good to 10 to 20 %; of the "
+        "answer and the frontier, where a run is shorter than 2 s, the median of three. Memory is the most "
+        "that "
+        f"the process had while it ran. {_REFERENCES[studied.reference]}{load}"
     )
+
+
+_REFERENCES: Final = {
+    "levels": "Errors are estimates from differences between levels, 1.5 or 2 times what these say; those of "
+    "steps and mesh are added.",
+    "finest": "Errors are distances from the finest run, whose own comes on top.",
+}

@@ -25,6 +25,7 @@ def as_json(studied: Studied) -> dict[str, Json]:
         "runs": len(studied.rows),
         "combinations": studied.count,
         "not_refined": list(studied.missing),
+        "reference": studied.reference,
         "points": [_point(row) for row in studied.rows],
         "found": [_found(one) for one in studied.found],
         "load": studied.load,

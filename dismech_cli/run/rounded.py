@@ -1,0 +1,45 @@
+"""Balances at rest that rounding only pretends.
+
+Newton's method takes a residual for small that the rounding of positions explains: so much stiff
+stretching hides. It hides the loads as well where rods are cut into so many edges that bending forces of
+one edge, E I / l^3, round by more than what bends the whole. Energies do not cancel like that: along the
+way that a run has gone, the slope of the potential tells whether the loads did the work that the robot
+holds.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+from ..model.state import State
+from ..solve.integrators import at_state
+from ..solve.system import System
+
+# Part of the way over which a slope is taken, and the share of that at the start which may be left at the
+# end.
+_PART: Final = 1e-6
+_LEFT: Final = 0.05
+
+
+def rounded_away(system: System, start: State, end: State) -> bool:
+    """Whether what loads a robot at rest is lost in rounding.
+
+    Args:
+        system: Its equations.
+        start: Where a static run started.
+        end: Where it ended.
+    """
+    stage, free = at_state(end), system.pattern.free
+    floor = system.round_off(system.linearize(stage, end.q, end.frames).values, end.q)
+    load = system.residual(stage, start.q, start.frames)[free]
+    if not floor > float(np.linalg.norm(load)) > 0.0:
+        return False
+    way = np.zeros_like(end.q)
+    way[free] = (end.q - start.q)[free]
+    before = float(load @ way[free])
+    (up, _), (down, _) = (system.potential(stage, end.q + part * way, end.frames) for part in (_PART, -_PART))
+    _, rest = system.potential(stage, end.q, end.frames)
+    after = (up - down) / (2.0 * _PART) + float(rest @ way)
+    return not abs(after) <= _LEFT * abs(before)
