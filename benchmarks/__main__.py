@@ -34,7 +34,7 @@ SECTIONS = (
     "start_up",
     "memory",
 )
-TABLES = ("extremes", "scene_trade")
+TABLES = ("adaptive", "check_times", "extremes", "scene_trade", "trade_tables")
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 HERE = Path(__file__).resolve().parent
 

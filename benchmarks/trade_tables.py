@@ -1,21 +1,29 @@
 """Brute force of `dismech study`: every combination of some scenes as a table, which tests search.
 
-python benchmarks/trade_tables.py [NAME ...]     writes tests/data/trade/NAME.json, minutes each
+python -m benchmarks trade_tables [NAME ...]            writes tests/data/trade/NAME.json, minutes each
+python -m benchmarks trade_tables --between [NAME ...]  adds the runs between levels with which searches end
+python -m benchmarks trade_tables --again [NAME ...]    times all twice more: the median of three counts
 """
 
 from __future__ import annotations
 
 import json
-import sys
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from math import inf
 from pathlib import Path
+from statistics import median
+from typing import Any
 
 import numpy as np
 
 from dismech_cli.run.interrupt import StopRequest
 from dismech_cli.scenario.language.study import Measured
+from dismech_cli.studies.study.errors import Yardstick
 from dismech_cli.studies.study.given_study import given_over
-from dismech_cli.studies.study.measure import Point, measure
-from dismech_cli.studies.study.space import Setting, make_space
+from dismech_cli.studies.study.measure import DONE, Point, measure
+from dismech_cli.studies.study.search import Search
+from dismech_cli.studies.study.space import Setting, Space, make_space
 from dismech_cli.studies.sweep.points import Base
 
 ROOT = Path(__file__).parents[1]
@@ -24,6 +32,10 @@ TIMES = 81
 METHODS = "numerics.integrator=tr_bdf2,generalized_alpha,implicit_euler"
 NODES = "geometry[0].generate.nodes"
 AT_NODE = "motions[0].at=node"
+NO_EXPECT = "expect={}"
+TARGETS = (0.1, 0.05, 0.03, 0.02, 0.01)
+QUANTITIES = {"q": Measured(probe="q")}
+Run = Callable[[tuple[Setting, ...], float], Point]
 
 SCENES: dict[str, tuple[str, tuple[str, ...], tuple[str, ...], str, str]] = {
     # file, overrides, axes, probe, finer step and mesh of the reference
@@ -97,10 +109,140 @@ HELD_OUT = {
 SCENES |= HELD_OUT
 
 
+@dataclass(frozen=True, slots=True)
+class Table:
+    """All runs of a scene.
+
+    Attributes:
+        space: What was tried.
+        points: The run of every combination.
+        between: Runs between levels.
+        true: Of the quantity, at equal times.
+        t_end: End of the runs [s].
+    """
+
+    space: Space
+    points: dict[tuple[Setting, ...], Point]
+    between: dict[tuple[Setting, ...], Point]
+    true: np.ndarray
+    t_end: float
+
+    def error(self, point: Point) -> float:
+        """True error of a run, as a share of the range."""
+        if not point.stable:
+            return inf
+        return float(np.abs(point.courses["q"][1] - self.true).max() / np.ptp(self.true))
+
+    def at(self, *key: int) -> Point:
+        """Run of an alternative, level of time, level of mesh."""
+        return self.points[self.space.settings(*key)]
+
+    def cheapest_robust(self, target: float) -> float:
+        """CPU of the cheapest run that meets a target with its finer neighbours; infinite if none does."""
+        space, cheapest = self.space, inf
+        last_time, last_mesh = len(space.time) - 1, len(space.mesh) - 1
+        for m in range(len(space.methods)):
+            for t in range(last_time + 1):
+                for h in range(last_mesh + 1):
+                    around = [(m, t, h), (m, min(t + 1, last_time), h), (m, t, min(h + 1, last_mesh))]
+                    if all(self.error(self.at(*key)) <= target for key in around):
+                        cheapest = min(cheapest, self.at(m, t, h).cpu)
+        return cheapest
+
+
+def read(file: Path) -> Table:
+    """A table that was made."""
+    data: dict[str, Any] = json.loads(file.read_text())
+    scene, *overrides = data["base"]
+    space = make_space(
+        Base(path=ROOT / scene, overrides=(*overrides, NO_EXPECT)).load(), given_over(data["axes"])
+    )
+    true = np.array(data["true"])
+    times = np.linspace(0.0, data["t_end"], len(true))
+
+    def points(name: str) -> dict[tuple[Setting, ...], Point]:
+        made = (_read_point(one, data["t_end"], times) for one in data.get(name, ()))
+        return {point.settings: point for point in made}
+
+    return Table(space, points("points"), points("between"), true, data["t_end"])
+
+
+def _read_point(one: dict[str, Any], t_end: float, times: np.ndarray) -> Point:
+    courses = {} if one["course"] is None else {"q": (times, np.array(one["course"]))}
+    numbers = {name: one[name] for name in ("status", "cpu", "steps", "iterations", "cuts", "size", "order")}
+    settings = tuple(one["settings"].items())
+    return Point(settings=settings, message="", t_end=t_end, courses=courses, **numbers)
+
+
+def unknown(settings: tuple[Setting, ...], price: float) -> Point:
+    """A run between levels that no table has: it counts as unstable."""
+    return Point(
+        settings=settings, status="failed", message="", cpu=0.0, steps=0, iterations=0, cuts=0,
+        size=0.0, order=2, t_end=0.0, courses={},
+    )  # fmt: skip
+
+
+def search_in(table: Table, target: float, otherwise: Run = unknown) -> Search:
+    """A search that looks runs up."""
+    known = table.points | table.between
+
+    def run(settings: tuple[Setting, ...], price: float) -> Point:
+        return known[settings] if settings in known else otherwise(settings, price)
+
+    return Search(table.space, run, Yardstick(QUANTITIES, table.t_end), target)
+
+
+def add_between(name: str) -> None:
+    """Run what searches end with between levels, and keep it with the table."""
+    path = FOLDER / f"{name}.json"
+    data, table = json.loads(path.read_text()), read(path)
+    file, overrides, _, probe, _ = SCENES[name]
+    base = Base(path=ROOT / file, overrides=(*overrides, NO_EXPECT))
+    compiled = False
+    between: dict[tuple[Setting, ...], Point] = {}
+
+    def run(settings: tuple[Setting, ...], price: float) -> Point:
+        nonlocal compiled
+        if settings not in between:
+            if not compiled:
+                measure(base, settings, {"q": Measured(probe=probe)}, inf, StopRequest())
+                compiled = True
+            between[settings] = measure(base, settings, {"q": Measured(probe=probe)}, price, StopRequest())
+            print(between[settings].label, f"{between[settings].cpu:.3g}", flush=True)
+        return _resampled(between[settings], table)
+
+    for target in TARGETS:
+        search_in(table, target, run).find()
+    data["between"] = data.get("between", []) + [_kept(one) for one in between.values()]
+    path.write_text(json.dumps(data, separators=(",", ":")) + "\n")
+
+
+def time_again(name: str) -> None:
+    """Time every run of a table twice more: other programs make one time good to a factor of two only."""
+    path = FOLDER / f"{name}.json"
+    data = json.loads(path.read_text())
+    file, overrides, _, probe, _ = SCENES[name]
+    base = Base(path=ROOT / file, overrides=(*overrides, NO_EXPECT))
+    quantities = {"q": Measured(probe=probe)}
+    points = [one for one in (*data["points"], *data.get("between", ())) if one["status"] == DONE]
+    measure(base, tuple(points[0]["settings"].items()), quantities, inf, StopRequest())  # compiles
+    for one in points:
+        settings = tuple(one["settings"].items())
+        times = [measure(base, settings, quantities, inf, StopRequest()).cpu for _ in range(2)]
+        one["cpu"] = round(median([one["cpu"], *times]), 5)
+    path.write_text(json.dumps(data, separators=(",", ":")) + "\n")
+    print(name, flush=True)
+
+
+def _resampled(point: Point, table: Table) -> Point:
+    times = np.linspace(0.0, table.t_end, len(table.true))
+    return replace(point, courses={"q": (times, _sampled(point, table.t_end))}) if point.stable else point
+
+
 def make(name: str) -> None:
     """Run everything and write the table."""
     file, overrides, axes, probe, fine = SCENES[name]
-    base = Base(path=ROOT / file, overrides=(*overrides, "expect={}"))
+    base = Base(path=ROOT / file, overrides=(*overrides, NO_EXPECT))
     quantities = {"q": Measured(probe=probe)}
     space = make_space(base.load(), given_over((*axes, METHODS)))
 
@@ -138,22 +280,23 @@ def make(name: str) -> None:
         "probe": probe,
         "true": _short(b + (b - a) / 3.0),
         "mesh_left": float(np.abs(b - a).max() / 3.0 / np.ptp(b)),
-        "points": [
-            {
-                "settings": dict(point.settings),
-                "status": point.status,
-                "cpu": round(point.cpu, 5),
-                "steps": point.steps,
-                "iterations": point.iterations,
-                "cuts": point.cuts,
-                "size": point.size,
-                "order": point.order,
-                "course": _short(_sampled(point, t_end)) if point.stable else None,
-            }
-            for point in points
-        ],
+        "points": [_kept(point) for point in points],
     }
     (FOLDER / f"{name}.json").write_text(json.dumps(table, separators=(",", ":")) + "\n")
+
+
+def _kept(point: Point) -> dict[str, Any]:
+    return {
+        "settings": dict(point.settings),
+        "status": point.status,
+        "cpu": round(point.cpu, 5),
+        "steps": point.steps,
+        "iterations": point.iterations,
+        "cuts": point.cuts,
+        "size": point.size,
+        "order": point.order,
+        "course": _short(_sampled(point, point.t_end)) if point.stable else None,
+    }
 
 
 def _mesh_value(settings: tuple[Setting, ...]) -> str:
@@ -171,6 +314,9 @@ def _short(values: np.ndarray) -> list[float]:
     return [float(f"{value:.7g}") for value in values]
 
 
-if __name__ == "__main__":
-    for wanted in sys.argv[1:] or SCENES:
-        make(wanted)
+def main(names: Sequence[str]) -> None:
+    """Make tables, or add what lies between their levels."""
+    does = {"--between": add_between, "--again": time_again}
+    wanted = next((does[name] for name in names if name in does), make)
+    for name in [name for name in names if name not in does] or SCENES:
+        wanted(name)

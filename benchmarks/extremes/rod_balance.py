@@ -115,5 +115,5 @@ class Rod:
         if dt:
             stiffness += float(mass.max()) / dt**2
         # both ends of two edges, and the rounding of what the steps before added up
-        floor = 16.0 * _EPS * float(np.abs(x).max()) * stiffness
+        floor = 32.0 * _EPS * float(np.abs(x).max()) * stiffness
         return float(np.maximum(rest - floor, 0.0).max() / max(acting, floor, 1e-300))

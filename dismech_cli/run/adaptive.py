@@ -27,6 +27,8 @@ _LEAST, _MOST, _NONE = 0.2, 2.0, 1e-8
 _KEPT, _EAGER = (0.9, 1.5), 0.35
 # A step that ends this share of itself before an event goes on to it.
 _STRETCH = 1.1
+# Motion that grows counts as what it will be after this share of the run.
+_SOON = 0.01
 # A run takes about so many steps at a tolerance of 1e-3, and these after every event.
 _STEPS, _RESTART = 250.0, 6
 
@@ -211,8 +213,12 @@ class Adaptive:
 
     def _error(self, result: StepResult, motion: float) -> float:
         """Error of a step in units of the tolerance."""
-        error = self.integrator.error(result.trail, result.state.t - self.at)
-        return max(self.norm.share(error, motion, self.at) / self.tolerance.rtol, _NONE)
+        h = result.state.t - self.at
+        error = self.integrator.error(result.trail, h)
+        # What sets off will soon have moved farther: against its way so far the first steps would be as fine
+        # as if nothing came of them. What swings no farther than before does not grow.
+        soon = motion + (motion - self.motion) / h * _SOON * self.t_end
+        return max(self.norm.share(error, soon, self.at) / self.tolerance.rtol, _NONE)
 
     def arrays(self) -> Arrays:
         """None."""
