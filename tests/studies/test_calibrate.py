@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 from typing import Any
 
@@ -77,6 +78,8 @@ def test_two_values_of_a_swinging_arm_are_recovered(call):
     assert again["parameters"] == found["parameters"]
     page = (Path("fit") / "report.html").read_text()
     assert page.count("<svg") + page.count("<img") == 1
+    assert not re.findall(r"""(?:src|href)\s*=\s*["'](?!data:|#)|url\(\s*["']?(?!data:|#)|@import""", page)
+    assert len(page.encode()) < 1_000_000
     assert "held out" in page
     assert (Path("fit") / "report.md").read_text().startswith("# Calibration of measured_arm.yaml")
     values = simulate("fit/fitted.yaml", overrides=["calibrate=null"]).composition

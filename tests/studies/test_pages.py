@@ -13,6 +13,9 @@ from cli_call import call
 from cli_process import swing
 
 from dismech_cli.studies import page
+from dismech_cli.studies.study.measure import Point
+from dismech_cli.studies.study.studied import Row, Studied
+from dismech_cli.studies.study.study_page import study_page
 from dismech_cli.studies.sweep.sweep_page import sweep_page
 from dismech_cli.studies.sweep.table import columns
 from dismech_cli.studies.sweep.task import Result
@@ -98,6 +101,52 @@ def test_the_page_of_a_sweep_tells_what_went_wrong():
     text = sweep_page("few", 3, results, columns(results))
     assert "3 points: 1 done, 1 broken, 1 without a result" in text
     assert "&lt;died&gt;" in text
+
+
+def test_the_page_of_the_largest_study_is_small():
+    """Twelve levels of step and mesh of twenty alternatives."""
+    rows = [
+        Row(
+            point=Point(
+                settings=(
+                    ("numerics.integrator", f"{{type: generalized_alpha, spectral_radius: 0.{k}}}"),
+                    ("numerics.dt", f"{i} ms"),
+                    ("geometry[0].generate.nodes", str(j)),
+                ),
+                status="failed" if i == 0 else "done",
+                message="the solver gave up at t = 1 s with dt = 0.01 s: max iterations",
+                cpu=1.0 + i + j + 0.01 * k,
+                steps=100,
+                iterations=200,
+                cuts=0,
+                size=1.0,
+                order=2,
+                t_end=1.0,
+                courses={},
+            ),
+            error=0.1 / (1.0 + i + j + k),
+            best=k == 0,
+        )
+        for i in range(12)
+        for j in range(12)
+        for k in range(20)
+    ]
+    studied = Studied(
+        name="<b>",
+        folder=Path("out"),
+        target=0.01,
+        quantities={},
+        rows=tuple(rows),
+        found=(),
+        count=len(rows),
+        missing=(),
+        reference="levels",
+        load=1.0,
+    )
+    text = study_page(studied)
+    assert len(text.encode()) < LARGEST
+    assert not references(text)
+    assert "The first 500 of 2880; all are in study.csv." in text
 
 
 def test_a_sweep_of_words_draws_nothing():

@@ -14,6 +14,8 @@ from .report import data_rows, parameter_rows
 
 # Columns of a table that are drawn: the first, the last and what lies evenly between.
 _DRAWN = 4
+# Tables of samples that are drawn.
+_TABLES = 8
 
 
 def write_fit_page(folder: Path, source: Source, fit: Fit) -> None:
@@ -39,9 +41,13 @@ def _parts(fit: Fit) -> Iterator[str]:
         yield page.heading("Doubts")
         for doubt in fit.doubts:
             yield page.paragraph(doubt)
-    for one in fit.tables:
+    tables = fit.tables[:_TABLES]
+    points = sum(3 * min(one.curves.values.size, _DRAWN * len(one.curves.values)) for one in tables)
+    for one in tables:
         yield page.heading(one.curves.spec.file)
-        yield _curves(one) if one.curves.times is not None else _places(one)
+        yield _curves(one, points) if one.curves.times is not None else _places(one, points)
+    if len(fit.tables) > _TABLES:
+        yield page.paragraph(f"{len(fit.tables) - _TABLES} more files are not drawn.")
     if len(fit.knobs) > 1:
         yield page.heading("Correlation")
         names = [knob.setting.path for knob in fit.knobs]
@@ -49,7 +55,7 @@ def _parts(fit: Fit) -> Iterator[str]:
         yield page.table(["", *names], cells)
 
 
-def _curves(one: Table) -> str:
+def _curves(one: Table, points: int) -> str:
     """Some columns over time."""
     curves, t = one.curves, one.curves.times
     assert t is not None
@@ -64,10 +70,10 @@ def _curves(one: Table) -> str:
         panel.set_title(curves.labels[column], loc="left", fontsize=10, color=page.INK)
         panel.set_xlabel("t [s]", fontsize=9, color=page.INK)
     caption = "Samples (dots; those held out in red) and the fit (line), in SI units or those of the picture"
-    return page.drawn(figure, caption, points=3 * len(t) * len(chosen))
+    return page.drawn(figure, caption, points=points)
 
 
-def _places(one: Table) -> str:
+def _places(one: Table, points: int) -> str:
     """All samples of the end of a run: measured along, fitted up."""
     figure, panels = page.new_figure(1, 1)
     wanted, shown = one.curves.values[0], one.shown[0]
@@ -76,4 +82,4 @@ def _places(one: Table) -> str:
     panels[0].plot(ends, ends, color=page.INK, linewidth=0.8)
     panels[0].set_xlabel("wanted", fontsize=9, color=page.INK)
     panels[0].set_ylabel("fitted", fontsize=9, color=page.INK)
-    return page.drawn(figure, "Each sample, on the line where it is met", points=2 * len(wanted))
+    return page.drawn(figure, "Each sample, on the line where it is met", points=points)

@@ -21,6 +21,9 @@ _HEAD = (
     "why not",
 )
 
+# Rows of each table: a page is to open at once.
+_ROWS: Final = 500
+
 
 def study_page(studied: Studied) -> str:
     """The page."""
@@ -50,7 +53,8 @@ def study_page(studied: Studied) -> str:
         ),
         *_unstable(studied),
         page.heading("Runs"),
-        page.table(COLUMNS, [cells(row) for row in studied.rows]),
+        page.table(COLUMNS, [cells(row) for row in studied.rows[:_ROWS]]),
+        _more(len(studied.rows)),
         page.paragraph(_small_print(studied)),
         page.heading("Made by"),
         page.table(("what", "version"), installed_versions().items()),
@@ -86,7 +90,7 @@ def _diagram(studied: Studied) -> Iterator[str]:
     panel.set_title("error", loc="left", fontsize=10, color=page.INK)
     panel.legend(fontsize=7, frameon=False)
     told = "Line: none is both cheaper and more accurate. Dotted: the target. Square: the answer."
-    yield page.drawn(figure, told)
+    yield page.drawn(figure, told, points=len(known))
 
 
 def _method(row: Row) -> str:
@@ -98,8 +102,13 @@ def _unstable(studied: Studied) -> Iterator[str]:
     bad = [row for row in studied.rows if not row.point.stable]
     if bad:
         yield page.heading("Unstable here")
-        rows = [(row.point.label, row.point.status, row.point.message) for row in bad]
+        rows = [(row.point.label, row.point.status, row.point.message) for row in bad[:_ROWS]]
         yield page.table(("settings", "status", "why"), rows)
+        yield _more(len(bad))
+
+
+def _more(count: int) -> str:
+    return page.paragraph(f"The first {_ROWS} of {count}; all are in study.csv.") if count > _ROWS else ""
 
 
 def _small_print(studied: Studied) -> str:
