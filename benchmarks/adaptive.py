@@ -49,7 +49,7 @@ SCENES: Final[dict[str, tuple[str, tuple[str, ...], str, Sequence[float], float,
         ("numerics.t_end=1 s",),
         "shape",
         (8.0, 4.0, 2.0, 1.0),
-        0.25,
+        0.5,
         (1e-2, 3e-3, 1e-3, 3e-4),
     ),
 }

@@ -19,6 +19,7 @@ from dismech_cli.studies.study.refine import Found
 from dismech_cli.studies.study.search import Search
 
 ALL = sorted(FOLDER.glob("*.json"))
+HELD = [file for file in ALL if file.stem in HELD_OUT]
 TUNED = [file for file in ALL if file.stem not in HELD_OUT]
 
 
@@ -52,18 +53,17 @@ def test_claims_are_true() -> None:
     assert np.mean(excess <= 1.0) >= 0.9
 
 
-def test_what_is_found_is_cheap() -> None:
-    """Against the cheapest run that meets the target with its finer neighbours, in CPU time.
-
-    Levels are a factor of two apart, and a step between them, which the search ends with, is in no table.
-    """
+@pytest.mark.parametrize("files", [TUNED, HELD], ids=["tuned", "held out"])
+def test_what_is_found_is_cheap(files: list[Path]) -> None:
+    """Against the cheapest run that meets the target with its finer neighbours, in CPU time."""
     ratios = [
         one.point.cpu / _table(file).cheapest_robust(target)
         for file, target, one, _ in _claims()
-        if one.meets
+        if one.meets and file in files
     ]
-    assert np.mean(ratios) <= 1.7
-    assert max(ratios) <= 3.2
+    assert np.mean(ratios) <= 1.6
+    # a rod whose clamp sets off with a jump rings: its levels fall less steadily than it is accurate
+    assert max(ratios) <= (3.0 if files is TUNED else 4.5)
 
 
 def test_few_runs_are_made() -> None:
