@@ -57,6 +57,12 @@ PICTURES: dict[str, list[str]] = {
     "t_fin": [],
     "worm": ["--times", "0.5, 0.75, 1, 1.5", "--set", "layout=panels", "--set", "range=[-0.3, 0.3]"],
 }
+FILMS = {
+    "jellyfish_tentacles": [],
+    "manta_ray": ["--speed", "2"],
+    "helix_soft": ["--speed", "0.25"],
+    "worm": [],
+}
 FRONT = {
     "helix_soft": ["--times", "0.1"],
     "pneunet_semi": ["--color-by", "curvature"],
@@ -67,19 +73,34 @@ FRONT = {
 
 def main() -> None:
     """Draw what the command line names, else everything."""
-    runs, names = Path(sys.argv[1]), sys.argv[2:] or [*PICTURES, "readme"]
+    runs, names = Path(sys.argv[1]), sys.argv[2:] or [*PICTURES, *(f"{name}.gif" for name in FILMS), "readme"]
     for name in names:
         if name == "readme":
             _front(runs)
+        elif name.endswith(".gif"):
+            _film(runs, name.removesuffix(".gif"))
         else:
             _draw(runs, name, PICTURES[name], HERE / f"{name}.png")
 
 
 def _draw(runs: Path, scene: str, options: list[str], file: Path) -> None:
+    run_dir = _run(runs, scene)
+    _dismech("render", run_dir, "--format", "png", "--size", SIZE, "--set", TEXT, *options, "-o", file, "-q")
+
+
+def _film(runs: Path, scene: str) -> None:
+    """A short film, small enough for a page."""
+    run_dir = _run(runs, scene)
+    options = ["--format", "gif", "--size", "320x180", "--fps", "8", *FILMS[scene]]
+    _dismech("render", run_dir, *options, "-o", HERE / f"{scene}.gif", "-q")
+
+
+def _run(runs: Path, scene: str) -> Path:
+    """The run directory of a scene, made where it is missing."""
     run_dir = runs / scene
     if not run_dir.exists():
         _dismech("run", SCENES / f"{scene}.yaml", "-o", run_dir, "--no-render", "-q")
-    _dismech("render", run_dir, "--format", "png", "--size", SIZE, "--set", TEXT, *options, "-o", file, "-q")
+    return run_dir
 
 
 def _front(runs: Path) -> None:
