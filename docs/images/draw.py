@@ -59,9 +59,9 @@ PICTURES: dict[str, list[str]] = {
 }
 FILMS = {
     "jellyfish_tentacles": [],
-    "manta_ray": ["--speed", "2"],
-    "helix_soft": ["--speed", "0.25"],
+    "manta_ray": [],
     "worm": [],
+    "curl_grip": ["--speed", "0.5"],
 }
 FRONT = {
     "helix_soft": ["--times", "0.1"],
