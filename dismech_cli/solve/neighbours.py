@@ -8,8 +8,8 @@ derivative: rounding and curvature leave about 1e-11 of it.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 import numpy as np
@@ -97,6 +97,8 @@ class Variation:
         a: The rate of that, shape (n, P).
         turns: By how much carried frames turn beyond that, for each kind of edges (E, P).
         residual: Derivative of M a + r of the last stage, shape (n, P).
+        inputs: What controllers put in, shape (I, P).
+        memory: What they remember, by name, the parameters last.
     """
 
     q: FloatArray
@@ -104,6 +106,22 @@ class Variation:
     a: FloatArray
     turns: tuple[FloatArray, ...]
     residual: FloatArray
+    inputs: FloatArray
+    memory: Mapping[str, FloatArray] = field(default_factory=dict)
+
+    def moved(self, state: State, column: int, step: float) -> State:
+        """A state by a step on in the direction of one parameter; its frames stay where they are stored."""
+        return replace(
+            state,
+            q=state.q + step * self.q[:, column],
+            v=state.v + step * self.v[:, column],
+            a=state.a + step * self.a[:, column],
+            inputs=state.inputs + step * self.inputs[:, column],
+            memory={
+                name: values + step * self.memory[name][..., column] if name in self.memory else values
+                for name, values in state.memory.items()
+            },
+        )
 
 
 class ParameterSlope:
@@ -225,11 +243,12 @@ class Here:
     def residual(self, index: int) -> FloatArray:
         """That of one term, shape (n,)."""
         if index not in self._found:
-            self._found[index] = _residual(self._terms[index], self.c)
+            self._found[index] = residual_of(self._terms[index], self.c)
         return self._found[index]
 
 
-def _residual(term: BoundTerm, c: Configuration) -> FloatArray:
+def residual_of(term: BoundTerm, c: Configuration) -> FloatArray:
+    """That of one term at a trial point, shape (n,)."""
     r = np.zeros_like(c.q)
     term.add_residual(c, r)
     return r
@@ -253,7 +272,7 @@ class _Varied:
         shares, multiple = [], True
         for here in points:
             residual = here.residual(self.index)
-            values = [_residual(term, here.c) for term in self._terms]
+            values = [residual_of(term, here.c) for term in self._terms]
             rough, fine = self._near.affine_slope(values[0], residual), self._near.slope(values)
             slope = _largest(fine)
             # what rounding of the values alone may leave
@@ -276,8 +295,8 @@ class _Varied:
     def slope(self, here: Here) -> FloatArray:
         """Derivative of its residual, shape (n,)."""
         if self._affine:
-            return self._near.affine_slope(_residual(self._terms[0], here.c), here.residual(self.index))
-        return self._near.slope([_residual(term, here.c) for term in self._terms])
+            return self._near.affine_slope(residual_of(self._terms[0], here.c), here.residual(self.index))
+        return self._near.slope([residual_of(term, here.c) for term in self._terms])
 
 
 def _largest(x: FloatArray) -> float:

@@ -28,6 +28,7 @@ from ..kinematics.turning import Holonomy
 from ..model.configuration import Configuration
 from ..model.model import Model
 from ..model.state import State
+from .commanded import Acting, Commanded, nothing_acts
 from .integrators import Integrator, at_state
 from .neighbours import Here, Neighbours, ParameterSlope, Variation
 from .slopes import Balance, Slope, Slopes
@@ -78,6 +79,7 @@ class Differentiated:
             for k, near in enumerate(parameters)
         )
         self.edges = model.frames.turning
+        self._commanded = Commanded(self._slope.terms)
         self._shares = np.stack([one.shares for one in self.parameters], axis=1)
         self._mass = np.stack([one.mass for one in self.parameters], axis=1)
         self._inert = all(one.inert for one in self.parameters)
@@ -144,16 +146,27 @@ class Differentiated:
                 found[:, k] += more
         return found
 
+    def by_inputs(self, c: Configuration, change: FloatArray) -> FloatArray:
+        """Derivative of r at a fixed state along changes of the inputs (I, P), shape (n, P)."""
+        return self._commanded.slope(c, change)
+
     def start(self, start: State) -> Variation:
         """Derivative of where the run starts."""
         parts = [one.of_start(start) for one in self.parameters]
         q, v, a = (np.stack([part[k] for part in parts], axis=1) for k in range(3))
         turns = tuple(np.stack([part[3][k] for part in parts], axis=1) for k in range(len(self.edges)))
-        return Variation(q, v, a, turns, np.zeros_like(q))
+        count = len(self.parameters)
+        memory = {name: np.zeros((*np.shape(values), count)) for name, values in start.memory.items()}
+        inputs = np.zeros((len(start.inputs), count))
+        return Variation(q, v, a, turns, np.zeros_like(q), inputs, memory)
 
 
 def forward(
-    model: Differentiated, start: State, steps: Sequence[TapedStep], wanted: IntArray = NOWHERE
+    model: Differentiated,
+    start: State,
+    steps: Sequence[TapedStep],
+    wanted: IntArray = NOWHERE,
+    acting: Acting = nothing_acts,
 ) -> Iterator[Variation]:
     """Derivatives of the start and of the state after each step.
 
@@ -162,14 +175,16 @@ def forward(
         start: Where the run starts.
         steps: What it did.
         wanted: DOFs of which the derivative of the residual is asked for, shape (K,).
+        acting: What acts between steps.
 
     Raises:
         FactorizationError: A balance is singular: there is no derivative.
     """
-    d = model.start(start)
+    d, before = model.start(start), start
     yield d
     for step in steps:
-        d = _after(model, step, d, wanted)
+        d = _after(model, step, acting(before, d, step.start.t + step.dt), wanted)
+        before = step.result.state
         yield d
 
 
@@ -196,6 +211,8 @@ def _balanced(model: Differentiated, state: State, d: Variation) -> FloatArray:
         dq[edges.angles] += turns
     rate = model.by_parameters(c, slopes, state.a)
     rate += balance.stiff(slopes, dq)
+    if d.inputs.any():
+        rate += model.by_inputs(c, d.inputs)
     if slopes.damped:
         rate += slopes.by_velocity(d.v)
     free, mass = balance.free, model.model.mass
@@ -228,6 +245,8 @@ def _through(
     y /= -w.q
     b = model.by_parameters(c, slopes, stage.acceleration(solved.q))
     b += mass * (maps.a0 + w.a * y)
+    if latest.inputs.any():
+        b += model.by_inputs(c, latest.inputs)
     if slopes.damped:
         b += slopes.by_velocity(maps.v0 + w.v * y)
     x = np.zeros_like(y)
@@ -257,7 +276,8 @@ def _through(
         # what was known already of held DOFs is in b
         x[held.dofs] = 0.0
         residual[wanted] = (b + held.balance.times(x))[wanted]
-    return Variation(dq, v, a, turns, residual), w.a * dq + maps.a0
+    after = Variation(dq, v, a, turns, residual, latest.inputs, latest.memory)
+    return after, w.a * dq + maps.a0
 
 
 def _weighed(slopes: FloatArray, way: FloatArray) -> FloatArray:

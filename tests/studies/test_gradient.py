@@ -10,13 +10,13 @@ import pytest
 from cli_call import call
 from decks import Deck, line, rod_deck
 from pydantic import TypeAdapter
-from slope_cases import planar
+from slope_cases import framed, planar
 
 from dismech_cli.cli.result_schema import GRADIENT, Failure, Gradient
 
 __all__ = ["call"]
 
-MODULUS = "materials.m.youngs_modulus"
+MODULUS, RUBBER_MODULUS = "materials.m.youngs_modulus", "materials.rubber.youngs_modulus"
 TIP: Deck = {"tip": {"displacement": "rod.end", "component": "z"}}
 
 
@@ -118,15 +118,98 @@ def test_contact_is_differentiated_by_runs_and_said_so(call):
     assert refused.code == 2
 
 
-def test_controllers_are_differentiated_by_runs_and_said_so(call):
-    scene = Path(__file__).parents[2] / "scenarios" / "s_shape.yaml"
-    sets = ("numerics.t_end=0.05 s", "expect={}", "output={probes: {tip: {position: arm.end, component: z}}}")
-    words = [word for text in sets for word in ("--set", text)]
-    by = ("--by", "materials.gel.density")
-    done = call("gradient", scene, "--of", "tip", *by, *words, "--json", "-q")
+SHORT = (
+    "numerics.t_end=0.06 s",
+    "expect={}",
+    "output={probes: {tip: {position: {nodes: {of: arm, indices: [4]}}, component: z}, "
+    "pull: {controller: bend, measure: command}}}",
+)
+SEEN = (
+    "sensors={seen: {strain: curvature_1, rod: arm, noise: 0.1 1/m, delay: 10 ms}}",
+    "controllers.bend.sensor=seen",
+)
+INCREMENTAL = (
+    "controllers.bend={type: incremental, target: {shape: {file: data/s_shape.csv}}, leak: 0.2, "
+    "gains: {p: 10, i: 5}, limits: {rate: 1000}, period: 10 ms}",
+)
+LOOPS = {
+    "sampled": ("s_shape", (), ("controllers.bend.gains.p", "controllers.bend.gains.i")),
+    "late and noisy": ("s_shape", SEEN, ("controllers.bend.gains.p", "controllers.bend.gains.i")),
+    "held": ("s_shape", ("controllers.bend.hold=step",), ("controllers.bend.gains.p",)),
+    "incremental": ("s_shape", INCREMENTAL, ("controllers.bend.gains.p", "controllers.bend.leak")),
+    "of stages": ("s_shape", ("numerics.integrator={type: tr_bdf2}",), ("controllers.bend.gains.p",)),
+    "ideal": ("s_shape_ideal", (), ("controllers.bend.gains.p", "controllers.bend.gains.i")),
+    "ideal stages": ("s_shape_ideal", ("numerics.integrator={type: generalized_alpha}",), ()),
+}
+
+
+@pytest.mark.parametrize("probe", ["tip", "pull"])
+@pytest.mark.parametrize("name", LOOPS)
+def test_loops_are_differentiated_exactly(call, name, probe):
+    """Sampled ones are a map from state to state between steps, ideal ones a law of the state in them."""
+    scene, changes, gains = LOOPS[name]
+    words = [word for text in (*SHORT, *changes) for word in ("--set", text)]
+    paths = ("materials.gel.youngs_modulus", "materials.gel.density", *gains)
+    by = [word for path in paths for word in ("--by", path)]
+    file = Path(__file__).parents[2] / "scenarios" / f"{scene}.yaml"
+    result = found(call("gradient", file, "--of", probe, *by, *words, "--json", "-q"))
+    assert result.method == "forward"
+    assert all(one.derivative != 0.0 for one in result.gradient)
+    assert result.check is not None
+    assert result.check.gradient == pytest.approx(result.check.difference, rel=1e-7)
+
+
+@pytest.mark.slow
+def test_a_run_that_is_unstable_is_not_said_to_agree(call):
+    """The loop swings: whatever differences of runs give is as large as what they leave open."""
+    deck = framed()
+    deck["actuation"] = [{"type": "twist", "rod": "arm", "value": {"controlled_by": "wind"}}]
+    gains = {"p": 0.5, "i": "20 1/s"}
+    deck["controllers"] = {"wind": {"type": "pi", "target": 20.0, "gains": gains, "period": "15 ms"}}
+    deck["output"] = {"probes": {"tip": {"position": "arm.end", "component": "x"}}}
+    by = ("--by", "controllers.wind.gains.p")
+    result = found(call("gradient", write(deck), "--of", "tip", *by, "--json", "-q"), code=4)
+    assert result.check is not None
+    assert not result.check.agrees
+
+
+def test_a_loop_around_a_framed_rod(call):
+    """Sensors read frames, which turn as the run does."""
+    deck = framed()
+    deck["actuation"] = [{"type": "twist", "rod": "arm", "value": {"controlled_by": "wind"}}]
+    gains = {"p": 0.05, "i": "1 1/s"}
+    deck["controllers"] = {"wind": {"type": "pi", "target": 20.0, "gains": gains, "period": "15 ms"}}
+    deck["output"] = {"probes": {"tip": {"position": "arm.end", "component": "x"}}}
+    by = [word for path in (RUBBER_MODULUS, "controllers.wind.gains.p") for word in ("--by", path)]
+    result = found(call("gradient", write(deck), "--of", "tip", *by, "--json", "-q"))
+    assert result.method == "forward"
+    assert result.check is not None
+    assert result.check.gradient == pytest.approx(result.check.difference, rel=1e-6)
+
+
+@pytest.mark.parametrize("method", ["auto", "forward", "adjoint"])
+def test_loops_have_no_adjoint_and_times_of_samples_no_derivative(call, method):
+    file = Path(__file__).parents[2] / "scenarios" / "s_shape.yaml"
+    words = [word for text in SHORT for word in ("--set", text)]
+    if method == "adjoint":
+        done = call(
+            *("gradient", file, "--of", "tip", "--by", "materials.gel.density", *words),
+            *("--method", method, "--json", "-q"),
+        )
+        assert done.code == 2
+        assert "without controllers" in done.stdout
+        return
+    done = call(
+        *("gradient", file, "--of", "tip", "--by", "controllers.bend.period", *words),
+        *("--method", method, "--json", "-q"),
+    )
+    if method == "forward":
+        assert done.code == 2
+        assert "changes the times" in done.stdout
+        return
     result = found(done)
     assert result.method == "differences"
-    assert "controllers" in str(result.why)
+    assert "changes the times" in str(result.why)
 
 
 def test_adaptive_steps_are_differentiated_by_runs_and_said_so(call):

@@ -19,8 +19,9 @@ from ...session.narrator import Narrator, Silent
 from ...solve.integrators import Static
 from ...solve.linear.factors import FactorizationError
 from ...solve.sensitivity import NOWHERE, forward
+from ..gradient.acting import acting_of
 from ..gradient.reading import Readings, states
-from ..gradient.run import TapedRun, differentiated, exactly, quietly, run_taped, why_not
+from ..gradient.run import TapedRun, differentiated, exactly, quietly, run_taped, why_not, why_not_by
 from ..gradient.setting import Nearby, Setting, nearby
 from ..source import Source
 from .channel import Channel, Probed, points, sampling
@@ -67,6 +68,7 @@ class Experiment:
     runs: int = field(default=0, init=False)
     why: str | None = field(default=None, init=False)
     _known: dict[bytes, Evaluation] = field(default_factory=dict, init=False)
+    _neighbours: dict[bytes, list[Nearby]] = field(default_factory=dict, init=False)
     _tapes: dict[bytes, tuple[Source, Composition, TapedRun]] = field(default_factory=dict, init=False)
 
     def at(self, values: FloatArray) -> Evaluation | None:
@@ -95,7 +97,9 @@ class Experiment:
         if found.slopes is None:
             composition, run = self._taped(values)
             if self.why is None:
-                self.why = why_not(run.simulation)
+                self.why = why_not(run.simulation) or why_not_by(
+                    run.simulation, self._near(values, composition)
+                )
                 if self.why:
                     self.narrator.say(f"gradients by differences of runs: {self.why}")
             found.slopes = (
@@ -103,6 +107,7 @@ class Experiment:
             )
             self._keep(key)
             self._tapes.clear()
+            self._neighbours.clear()
         return found.slopes
 
     def _by_runs(self, values: FloatArray) -> list[FloatArray]:
@@ -189,11 +194,7 @@ class Experiment:
         count = len(self.settings)
         if not count:
             return [np.zeros((len(one.fitted), len(one.labels), 0)) for one in self.curves]
-        source = self._source(values)
-        near = [
-            nearby(source, replace(setting, value=float(value)), composition.plan.kernels)
-            for setting, value in zip(self.settings, values, strict=True)
-        ]
+        near = self._near(values, composition)
         model = differentiated(run.simulation, near)
         channels = [self._channel(k, composition, near) for k in range(len(self.curves))]
         sampled = [sampling(one.times, run, still=still) for one in self.curves]
@@ -201,8 +202,9 @@ class Experiment:
         wanted = [set(one.states.tolist()) for one in sampled]
         try:
             forces = any(channel.of_forces for channel in channels)
+            acting = acting_of(run.simulation, near)
             reacting = np.arange(len(run.simulation.start.q)) if forces else NOWHERE
-            for i, d in enumerate(forward(model, run.simulation.start, run.steps, reacting)):
+            for i, d in enumerate(forward(model, run.simulation.start, run.steps, reacting, acting)):
                 for k, channel in enumerate(channels):
                     if i in wanted[k]:
                         read[k].append(channel.slopes(seen[i], d))
@@ -213,6 +215,19 @@ class Experiment:
             rows = np.stack(found).reshape(len(found), -1)
             out.append(np.asarray(one.weights @ rows).reshape(one.weights.shape[0], -1, count))
         return out
+
+    def _near(self, values: FloatArray, composition: Composition) -> list[Nearby]:
+        """The scene at neighbours of each value; made once for the values last asked for."""
+        key = values.tobytes()
+        if key not in self._neighbours:
+            source = self._source(values)
+            self._neighbours = {
+                key: [
+                    nearby(source, replace(setting, value=float(value)), composition.plan.kernels)
+                    for setting, value in zip(self.settings, values, strict=True)
+                ]
+            }
+        return self._neighbours[key]
 
     def _file(self, key: bytes) -> Path:
         return self.folder / f"{hashlib.sha256(key).hexdigest()[:16]}.npz"

@@ -12,7 +12,9 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...compose.compose import Composition
+from ...control.loop import UNCONTROLLED
 from ...errors import ScenarioError
+from ...model.alike import alike
 from ...run.observables.probes import Probe
 from ...run.simulation import Simulation
 from ...scenario.language.expect import measured
@@ -27,8 +29,9 @@ from ...solve.sensitivity import NOWHERE, Differentiated, forward
 from ...units import KINDS
 from ...words import hint
 from ..source import Source
+from .acting import acting_of
 from .reading import Readings, Reduced, states
-from .run import TapedRun, differentiated, exactly, quietly, run_taped, start_run, why_not
+from .run import TapedRun, differentiated, exactly, quietly, run_taped, start_run, why_not, why_not_by
 from .setting import Nearby, Setting, expanded, nearby
 
 # Up to as many parameters forward sensitivities are used, which give more; beyond, the adjoint costs less.
@@ -37,6 +40,8 @@ _MANY: Final = 30
 # them, beyond what curvature leaves. Extremes and periods have kinks where another step of the run becomes
 # the extreme: steps as short as the second rarely pass one.
 _STEPS: Final = ((1e-3, 1e-6), (1e-5, 1e-4))
+# What a difference may leave open however small the derivative is, of the number.
+_NOTHING: Final = 1e-6
 
 
 class Method(Enum):
@@ -124,6 +129,11 @@ def gradient(
     settings = tuple(Setting.of(loaded, path) for path in dict.fromkeys(paths))
     simulation = exactly(composition, {of: target.probe})
     why = why_not(simulation) or _history(_spec(loaded, of))
+    tick = time.perf_counter()
+    exactly_asked = not why and method is not Method.DIFFERENCES
+    near = [nearby(source, one, composition.plan.kernels) for one in settings] if exactly_asked else []
+    composing = time.perf_counter() - tick
+    why = why or why_not_by(simulation, near)
     if why and method in (Method.FORWARD, Method.ADJOINT):
         raise ScenarioError(f"no {method.value} derivative: {why}; take --method differences")
     tick = time.perf_counter()
@@ -136,15 +146,15 @@ def gradient(
         slopes /= sizes
         chosen = Method.DIFFERENCES
     else:
-        near = [nearby(source, setting, composition.plan.kernels) for setting in settings]
         model = differentiated(simulation, near)
-        for setting, one in zip(settings, model.parameters, strict=True):
-            if one.nothing:
+        for setting, one, beside in zip(settings, model.parameters, near, strict=True):
+            acts = not all(alike(simulation.controls, other.controls) for other in beside.simulations)
+            if one.nothing and not acts:
                 narrator.warn(f"{setting.path} changes nothing in the model: its derivative is zero")
-        chosen = _method(method, target, model)
+        chosen = _method(method, target, model, free=simulation.controls is UNCONTROLLED)
         slopes = exact(chosen, simulation, target, run, model, near)
-    seconds = (tock - tick, time.perf_counter() - tock)
-    check = _check(source, target, settings, slopes) if checked and not why else None
+    seconds = (tock - tick, composing + time.perf_counter() - tock)
+    check = _check(source, target, settings, slopes, value) if checked and not why else None
     return Gradient(of, unit, value, settings, slopes, chosen, why, check, seconds)
 
 
@@ -187,17 +197,17 @@ def _history(probe: ProbeSpec) -> str:
             return ""
 
 
-def _method(wanted: Method, target: Reduced, model: Differentiated) -> Method:
-    """How to differentiate.
+def _method(wanted: Method, target: Reduced, model: Differentiated, *, free: bool) -> Method:
+    """How to differentiate a run, which may be free of controllers.
 
     Raises:
         ScenarioError: The adjoint was asked for and cannot.
     """
-    able = target.of_end and model.retraceable and target.probe.unit in ("m", "m/s", "rad")
+    able = target.of_end and model.retraceable and target.probe.unit in ("m", "m/s", "rad") and free
     if wanted is Method.ADJOINT and not able:
         raise ScenarioError(
             "the adjoint is for positions, velocities and angles at the end of a run, under motions whose "
-            "law alone says where they go: take --method forward"
+            "law alone says where they go, without controllers: take --method forward"
         )
     if wanted is Method.AUTO:
         return Method.ADJOINT if able and len(model.parameters) > _MANY else Method.FORWARD
@@ -221,7 +231,7 @@ def exact(
             return adjoint(model, simulation.start, run.steps, owed) + readings.by_scene(*seen[-1])
         courses = []
         wanted = np.arange(len(simulation.start.q)) if readings.of_forces else NOWHERE
-        along = forward(model, simulation.start, run.steps, wanted)
+        along = forward(model, simulation.start, run.steps, wanted, acting_of(simulation, near))
         for (state, residual), d in zip(seen, along, strict=True):
             if not target.of_end or state is seen[-1][0]:
                 courses.append(readings.slopes(state, residual, d))
@@ -242,13 +252,19 @@ def _check(
     target: Reduced,
     settings: Sequence[Setting],
     slopes: FloatArray,
+    value: float,
 ) -> Check:
-    """Compare up the slope: every value changes by its own size, so that no two changes cancel."""
+    """Compare up the slope: every value changes by its own size, so that no two changes cancel.
+
+    A difference that is known to less than a third of itself, as that of a run that is unstable, agrees
+    with nothing: unless both are next to nothing beside the number.
+    """
     sizes = np.array([setting.size for setting in settings]) * np.where(slopes < 0.0, -1.0, 1.0)
     along = float(slopes @ sizes)
     for step, share in _STEPS:
         difference, uncertainty = _by_runs(source, target, settings, sizes, step)
-        agrees = abs(along - difference) <= share * along + 3.0 * uncertainty
+        told = 3.0 * uncertainty <= max(along, abs(difference)) or uncertainty <= _NOTHING * abs(value)
+        agrees = told and abs(along - difference) <= share * along + 3.0 * uncertainty
         if agrees or target.smooth:
             break
     return Check(along, difference, uncertainty, bool(agrees))

@@ -9,6 +9,7 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...model.alike import alike
+from ...model.model import Model
 from ...model.state import State
 from ...run.account import EnergyAccount
 from ...run.observables.probes import Probe
@@ -97,18 +98,11 @@ class Eye:
 
     def moved(self, state: State, d: Variation, column: int, step: float) -> State:
         """A state by a step on in the direction of one parameter; its frames stay where they are stored."""
-        return replace(
-            state,
-            q=state.q + step * d.q[:, column],
-            v=state.v + step * d.v[:, column],
-            a=state.a + step * d.a[:, column],
-        )
+        return d.moved(state, column, step)
 
     def turned(self, state: State, d: Variation, column: int, step: float) -> State:
         """The same with frames that turn with it."""
-        moved = self.moved(state, d, column, step)
-        turns = [step * turn[:, column] for turn in d.turns]
-        return replace(moved, frames=self._model.frames.turned(state.frames, moved.q, turns))
+        return turned(self._model, state, d, column, step)
 
     def small(self, d: Variation, column: int) -> float:
         """A step in the direction of a parameter that moves a state by little; 0 where nothing moves."""
@@ -118,7 +112,7 @@ class Eye:
         fastest = max(moved, turned)
         if fastest > 0.0:
             return _SMALL / fastest
-        rest = max(float(np.abs(x[:, column]).max(initial=0.0)) for x in (d.v, d.residual))
+        rest = max(float(np.abs(x[:, column]).max(initial=0.0)) for x in (d.v, d.residual, d.inputs))
         return 1.0 / rest if rest > 0.0 else 0.0
 
 
@@ -137,8 +131,8 @@ class Readings:
             near_probes: The same probe as each of them has it: its places may move with the parameter.
         """
         self._eye, self._probe = Eye(simulation), probe
-        # energies alone are read from frames
-        self._move = self._eye.turned if probe.unit == "J" else self._eye.moved
+        # energies, and strains that sensors read, are read from frames
+        self._move = self._eye.moved if probe.unit in (*_OF_STATE, "N") else self._eye.turned
         self._near = [one.neighbours for one in near]
         self._others = [
             [(Eye(other), there) for other, there in zip(one.simulations, probes, strict=True)]
@@ -195,6 +189,13 @@ class Readings:
     def by_scene(self, state: State, residual: FloatArray) -> FloatArray:
         """Derivatives to the parameters at a fixed state, shape (P,)."""
         return np.array([self._by_scene(k, state, residual) for k in range(len(self._near))])
+
+
+def turned(model: Model, state: State, d: Variation, column: int, step: float) -> State:
+    """A state by a step on in the direction of one parameter, its frames too."""
+    moved = d.moved(state, column, step)
+    turns = [step * turn[:, column] for turn in d.turns]
+    return replace(moved, frames=model.frames.turned(state.frames, moved.q, turns))
 
 
 def _gradient(read: Callable[[FloatArray], float], x: FloatArray, step: float) -> FloatArray:

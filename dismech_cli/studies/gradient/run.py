@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from ...compose.compose import Composition, compose
-from ...control.loop import UNCONTROLLED
 from ...errors import ScenarioError, SolverError, UnfinishedError
+from ...model.alike import alike
 from ...run.adaptive import Adaptive
 from ...run.interrupt import StopRequest
 from ...run.loop import End, Outcome, run
@@ -93,8 +93,6 @@ def why_not(simulation: Simulation) -> str:
         return "the load factor of a path of equilibria is an unknown"
     if isinstance(simulation.control, Adaptive):
         return "the lengths of adaptive steps depend on all values; 'numerics.dt' makes them fixed"
-    if simulation.controls is not UNCONTROLLED:
-        return "what controllers put in depends on all states before"
     if model.changing:
         return "contact has no tangent that is exact across its ends"
     if any(edges.shared for edges in model.frames.turning):
@@ -102,6 +100,14 @@ def why_not(simulation: Simulation) -> str:
     stages = simulation.integrator.stages * simulation.control.steps
     if 48.0 * stages * model.dofs.n > _TAPE_BYTES:
         return "the run is too long to keep all its steps in memory"
+    return ""
+
+
+def why_not_by(simulation: Simulation, near: Sequence[Nearby]) -> str:
+    """Why some value has no exact derivative; empty if all have one."""
+    for one in near:
+        if not all(alike(simulation.control, other.control) for other in one.simulations):
+            return f"{one.setting.path} changes the times at which steps end"
     return ""
 
 
