@@ -18,6 +18,10 @@ def test_a_tutorial(name: str, tmp_path: Path, call):
     follow(f"docs/tutorials/{name}.md", tmp_path, call, pictures=False)
 
 
+def test_the_start(tmp_path: Path, call):
+    follow("docs/index.md", tmp_path, call, pictures=False)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", PAGES)
 def test_a_tutorial_with_its_pictures(name: str, tmp_path: Path, call):
