@@ -107,10 +107,14 @@ class _TimedFactors:
 
 
 def timed_stepper(simulation: Simulation, state: State, split: Split) -> Stepper:
-    """A stepper bound at a state that books its time; it takes the steps of one that does not."""
+    """A stepper bound at a state that books its time.
+
+    It steps in Python: what runs within one compiled function cannot be told apart.
+    """
     terms = tuple(_Timed(term, split) for term in simulation.model.terms)
     stepper = stepper_of(replace(simulation, model=replace(simulation.model, terms=terms)))
     stepper.prepare(state)
+    stepper.system.woven = _nothing  # type: ignore[method-assign]
     for owner, method, part in (
         (stepper.system, "configuration", "configuration"),
         (stepper.system, "linearize", "assembly"),
@@ -118,3 +122,7 @@ def timed_stepper(simulation: Simulation, state: State, split: Split) -> Stepper
         setattr(owner, method, split.timed(part, getattr(owner, method)))
     stepper.system.solver = _TimedSolver(stepper.system.solver, split)
     return stepper
+
+
+def _nothing(*arguments: Any) -> None:
+    """In place of a compiled step."""

@@ -7,6 +7,7 @@ from typing import Any, Protocol, TypeVar
 
 from ..arrays import FloatArray, IntArray
 from .linearization import Linearization, Pattern
+from .loop_text import LoopText
 from .shape import DragKernel, Kernel, LoadKernel, RateKernel
 
 LoopT = TypeVar("LoopT", bound=Callable[..., Any])
@@ -103,3 +104,11 @@ class Driver(Protocol):
 
     def compiled(self, loop: LoopT) -> LoopT | None:
         """A marked loop compiled, from its first call on; None where batches serve in its place."""
+
+    def woven(self, text: LoopText, parts: tuple[LoopText, ...]) -> Callable[..., Any] | None:
+        """A loop that runs others, compiled; None where there are none to run.
+
+        Args:
+            text: Its module, which looks the others up by their names.
+            parts: The modules of these.
+        """

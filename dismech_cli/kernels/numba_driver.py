@@ -14,7 +14,7 @@ from ..arrays import FloatArray, IntArray
 from .driver import DragLoop, LoadLoop, LoopT, RateLoop, StencilLoop
 from .linearization import Linearization, Pattern
 from .loop_module import LoopModule
-from .loop_text import call_text, drag_text, load_text, map_text, rate_text, stencil_text
+from .loop_text import LoopText, call_text, drag_text, load_text, map_text, rate_text, stencil_text
 from .shape import DragKernel, Kernel, LoadKernel, RateKernel
 
 
@@ -24,8 +24,12 @@ def _unsigned(indices: IntArray) -> NDArray[np.uint32]:
 
 
 @cache
+def _module(text: LoopText) -> LoopModule:
+    return LoopModule(text)
+
+
 def _stencil_loops(kernel: Kernel) -> LoopModule:
-    return LoopModule(stencil_text(kernel))
+    return _module(stencil_text(kernel))
 
 
 class NumbaStencilLoop:
@@ -66,9 +70,8 @@ class NumbaStencilLoop:
         )
 
 
-@cache
 def _drag_loops(kernel: DragKernel) -> LoopModule:
-    return LoopModule(drag_text(kernel))
+    return _module(drag_text(kernel))
 
 
 class NumbaDragLoop:
@@ -106,9 +109,8 @@ class NumbaDragLoop:
         )
 
 
-@cache
 def _load_loops(kernel: LoadKernel) -> LoopModule:
-    return LoopModule(load_text(kernel))
+    return _module(load_text(kernel))
 
 
 class NumbaLoadLoop:
@@ -148,9 +150,8 @@ class NumbaLoadLoop:
         )
 
 
-@cache
 def _rate_loops(kernel: RateKernel) -> LoopModule:
-    return LoopModule(rate_text(kernel))
+    return _module(rate_text(kernel))
 
 
 class NumbaRateLoop:
@@ -195,14 +196,12 @@ class NumbaRateLoop:
         )
 
 
-@cache
 def _map_loop(function: Callable[..., Any], inputs: int, outputs: int) -> LoopModule:
-    return LoopModule(map_text(function, inputs, outputs))
+    return _module(map_text(function, inputs, outputs))
 
 
-@cache
 def _call_loop(function: Callable[..., Any]) -> LoopModule:
-    return LoopModule(call_text(function))
+    return _module(call_text(function))
 
 
 @dataclass(frozen=True, slots=True)
@@ -236,3 +235,9 @@ class NumbaDriver:
     def compiled(self, loop: LoopT) -> LoopT | None:
         """The loop, compiled when it is first called."""
         return cast(LoopT, partial(_call_loop(loop).run, "loop"))
+
+    def woven(self, text: LoopText, parts: tuple[LoopText, ...]) -> Callable[..., Any] | None:
+        """The loop, compiled when it is first called."""
+        for part in parts:
+            _module(part)
+        return partial(_module(text).run, text.main)

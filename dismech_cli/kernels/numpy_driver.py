@@ -12,6 +12,7 @@ from scipy.sparse import csr_matrix
 from ..arrays import FloatArray, IntArray
 from .driver import DragLoop, LoadLoop, LoopT, RateLoop, StencilLoop
 from .linearization import Linearization, Pattern
+from .loop_text import LoopText
 from .numpy_rates import NumpyRateLoop
 from .shape import DragKernel, Kernel, LoadKernel, RateKernel
 
@@ -243,5 +244,9 @@ class NumpyDriver:
         return _rows(function(inputs), inputs.shape[1])
 
     def compiled(self, loop: LoopT) -> LoopT | None:
+        """None: batches."""
+        return None
+
+    def woven(self, text: LoopText, parts: tuple[LoopText, ...]) -> Callable[..., Any] | None:
         """None: batches."""
         return None

@@ -16,6 +16,7 @@ import numpy as np
 from ..arrays import FloatArray, IntArray
 from .driver import DragLoop, Driver, LoadLoop, LoopT, RateLoop, StencilLoop
 from .linearization import Linearization, Pattern
+from .loop_text import LoopText
 from .numpy_driver import NumpyDriver
 from .shape import DragKernel, Kernel, LoadKernel, RateKernel
 
@@ -130,3 +131,7 @@ class ProjectedDriver:
     def compiled(self, loop: LoopT) -> LoopT | None:
         """The driver's loop."""
         return self.driver.compiled(loop)
+
+    def woven(self, text: LoopText, parts: tuple[LoopText, ...]) -> Callable[..., Any] | None:
+        """None: Python steps."""
+        return None

@@ -63,6 +63,10 @@ class WantedLoops:
         self._noted(call_text(loop))
         return loop
 
+    def woven(self, text: LoopText, parts: tuple[LoopText, ...]) -> Callable[..., Any] | None:
+        """None: nothing is woven before there is a system."""
+        return None
+
     def _noted(self, text: LoopText) -> Any:
         self.texts[text.name] = text
         return _Idle()

@@ -62,8 +62,31 @@ class TrialFrames:
     auxiliary: FloatArray
 
 
+@dataclass(frozen=True, slots=True)
+class EdgeTables:
+    """Where frames of edges are carried, for loops that carry them with all else.
+
+    Attributes:
+        tails: Position DOFs of the first node of each edge, shape (3, E).
+        heads: Position DOFs of the second node, shape (3, E).
+        angles: Angle DOFs, shape (E,).
+        joint_edges: Edge pairs of the joints, shape (J, 2).
+        joint_signs: -1 where a joint walks its edge backwards, shape (J, 2).
+    """
+
+    tails: IntArray
+    heads: IntArray
+    angles: IntArray
+    joint_edges: IntArray
+    joint_signs: FloatArray
+
+
 class Frames(Protocol):
     """Kinematics of frames."""
+
+    @property
+    def tables(self) -> EdgeTables | None:
+        """What is carried if that is edges of rods alone, or nothing; else None."""
 
     @property
     def size(self) -> int:
@@ -103,6 +126,12 @@ class NoFrames:
     """For scenes without framed rods: nothing to carry, nothing to transport."""
 
     size: ClassVar[int] = 0
+
+    @property
+    def tables(self) -> EdgeTables:
+        """Nothing is carried."""
+        ends, none = np.empty((3, 0), dtype=np.int64), np.empty((0, 2))
+        return EdgeTables(ends, ends, ends[0], none.astype(np.int64), none)
 
     def rest(self, q: FloatArray) -> FrameState:
         """Return the empty frames."""
@@ -189,6 +218,11 @@ class RodFrames:
     def size(self) -> int:
         """Length of the auxiliary array."""
         return 6 * len(self.angles) + len(self.joint_edges)
+
+    @property
+    def tables(self) -> EdgeTables:
+        """All edges."""
+        return EdgeTables(self.tails, self.heads, self.angles, self.joint_edges, self.joint_signs)
 
     def director_places(self, edges: IntArray) -> IntArray:
         """Places of m1 (3) and m2 (3) of each edge in the auxiliary array, shape (..., 6)."""

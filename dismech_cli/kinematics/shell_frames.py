@@ -81,6 +81,11 @@ class ShellFrames:
         """Length of the auxiliary array."""
         return self.rods.size + 7 * len(self.angles)
 
+    @property
+    def tables(self) -> None:
+        """None: normals of shells are carried too."""
+        return None
+
     def edge_places(self, edges: IntArray) -> IntArray:
         """Places of the stored tangent (3), normal (3) and xi of each shell edge, shape (..., 7)."""
         return self.rods.size + edges[..., None] + np.arange(7) * len(self.angles)

@@ -27,6 +27,11 @@ _RUNAWAY = 1e6
 
 def solve_stage(problem: StageProblem, guess: FloatArray) -> NewtonResult:
     """Solve one stage from ``guess`` (prescribed values already in place)."""
+    solved = problem.at_once(guess, _FULL_STEPS)
+    if solved is not None:
+        return NewtonResult(
+            solved.q, solved.residual, Status.CONVERGED, solved.iterations, solved.residual_norm, -1
+        )
     with np.errstate(all="ignore"):
         result = _full_steps(problem, guess)
         if result.status is Status.CONVERGED or problem.used_up:

@@ -15,6 +15,7 @@ from .integrators import Stage
 from .linear.factors import Factors
 from .linear.updated import UpdatedFactors
 from .system import System
+from .woven import Solved
 
 
 class ExhaustedError(Exception):
@@ -129,6 +130,24 @@ class StageProblem:
     def used_up(self) -> bool:
         """Whether no factorisation is left."""
         return self.spent == self.settings.max_iterations
+
+    def at_once(self, guess: FloatArray, most: int) -> Solved | None:
+        """The stage solved by a compiled step; None where there is none, or it takes more than full steps.
+
+        Args:
+            guess: First guess, prescribed values in place, shape (n,).
+            most: Factorisations at most.
+        """
+        woven = self.system.woven(self.stage, self.stored)
+        if woven is None or self.spent:
+            return None
+        limit = min(most, self.settings.max_iterations)
+        solved = woven.solve(
+            self.stage, self.stored, guess, limit, self.settings.tolerance, self.system.extent
+        )
+        if solved is not None:
+            self.spent = solved.iterations
+        return solved
 
     def linearize(self, q: FloatArray) -> Linearized:
         """Residual and tangent at a trial point, with the stencils that are there."""

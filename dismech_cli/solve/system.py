@@ -18,11 +18,13 @@ from ..model.term import BoundChanging, BoundEnergy, BoundTerm, Memory
 from ..model.touch import Touch
 from .assembly import Assembly, Linearized, Terms
 from .integrators import Stage
+from .linear.banded import BandedSolver
 from .linear.choice import LINEAR_SOLVERS, choose_solver
 from .linear.factors import LinearSolver
 from .overlay import Overlay, convexly, exactly
 from .pattern import SparsityPattern
 from .trials import Trials, at, trial
+from .woven import Woven, weave
 
 _EPS = float(np.finfo(np.float64).eps)
 
@@ -71,7 +73,19 @@ class System:
             choose_solver(base, spreads=spreads) if solver == "auto" else solver
         ]
         self.analyses = 0
+        self._looked = False
+        self._woven: Woven | None = None
         self.solver: LinearSolver = self._analysed(base)
+
+    def woven(self, stage: Stage, stored: FrameState) -> Woven | None:
+        """The compiled step, where the model has one: known when the first stage is there to look at."""
+        if not self._looked:
+            self._looked = True
+            if self._make_solver is BandedSolver:
+                self._woven = weave(
+                    self.model, self.pattern, self.configuration(stage, stage.predictor, stored)
+                )
+        return self._woven
 
     @property
     def terms(self) -> tuple[BoundTerm, ...]:

@@ -29,8 +29,7 @@ def new_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]
 
 
 def _forget() -> None:
-    for made in ("stencil_loops", "drag_loops", "load_loops", "rate_loops", "map_loop", "call_loop"):
-        getattr(numba_driver, f"_{made}").cache_clear()
+    numba_driver._module.cache_clear()
 
 
 def _wanted(name: str) -> set[str]:
@@ -57,6 +56,9 @@ def test_what_is_wanted_is_what_a_run_compiles(name: str, new_cache: Path) -> No
     assert f"missing {len(wanted)}" in before
     simulate(SCENARIOS / f"{name}.yaml", kernels="numba", limits=Limits(until=1e-300))
     compiled = {path.name.partition(".")[0] for path in new_cache.rglob("*.nbi")}
+    compiled = {
+        loop for loop in compiled if "_step_" not in loop
+    }  # woven of the others, once there is a system
     # friction and faces of this or that scene are compiled when something comes near
     assert compiled <= wanted
     assert name == "crossed_rods" or (compiled == wanted and "missing 0" in _wanted(name))

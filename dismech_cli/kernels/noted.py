@@ -1,0 +1,134 @@
+"""Loops that note what they are run with instead of running: what compiled steps are woven of."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from ..arrays import FloatArray, IntArray
+from .driver import DragLoop, LoadLoop, LoopT, RateLoop, StencilLoop
+from .linearization import Linearization, Pattern
+from .loop_text import LoopText, drag_text, stencil_text
+from .shape import DragKernel, Kernel, LoadKernel, RateKernel
+
+
+@dataclass(frozen=True, slots=True)
+class Block:
+    """The loop of one term.
+
+    Attributes:
+        text: Its module.
+        indices: What its linearization takes after the parameters: tables of DOFs and places.
+        slots: What it takes last: tables of slots of each tangent that it has.
+    """
+
+    text: LoopText
+    indices: tuple[IntArray, ...]
+    slots: tuple[IntArray, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Call:
+    """A loop that was run.
+
+    Attributes:
+        block: The loop.
+        q: What it was given, shape (n,).
+        v: Likewise; None for loops that take no velocity.
+        parameters: Likewise, shape (P, S).
+    """
+
+    block: Block
+    q: FloatArray
+    v: FloatArray | None
+    parameters: FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class _NotedStencils:
+    block: Block
+    calls: list[Call]
+
+    def energy(self, q: FloatArray, auxiliary: FloatArray, parameters: FloatArray) -> FloatArray:
+        raise NotImplementedError
+
+    def add_residual(
+        self, q: FloatArray, auxiliary: FloatArray, parameters: FloatArray, r: FloatArray
+    ) -> None:
+        raise NotImplementedError
+
+    def add_linearization(
+        self, q: FloatArray, auxiliary: FloatArray, parameters: FloatArray, into: Linearization
+    ) -> None:
+        self.calls.append(Call(self.block, q, None, parameters))
+
+
+@dataclass(frozen=True, slots=True)
+class _NotedDrag:
+    block: Block
+    calls: list[Call]
+
+    def add_residual(self, q: FloatArray, v: FloatArray, parameters: FloatArray, r: FloatArray) -> None:
+        raise NotImplementedError
+
+    def add_linearization(
+        self, q: FloatArray, v: FloatArray, parameters: FloatArray, into: Linearization
+    ) -> None:
+        self.calls.append(Call(self.block, q, v, parameters))
+
+
+class NotWovenError(Exception):
+    """A term has a loop that compiled steps cannot take."""
+
+
+@dataclass(frozen=True, slots=True)
+class NotingDriver:
+    """A driver of loops that note; implements :class:`.driver.Driver`.
+
+    Attributes:
+        calls: The loops that ran since this was cleared, in order.
+        name: ``noting``.
+    """
+
+    calls: list[Call] = field(default_factory=list)
+    name: str = "noting"
+
+    def stencil(self, kernel: Kernel, dofs: IntArray, auxiliaries: IntArray, pattern: Pattern) -> StencilLoop:
+        """Loop of an energy kernel."""
+        i, j = kernel.local_pairs
+        slots = (pattern.symmetric_slots(dofs[:, i], dofs[:, j]),)
+        return _NotedStencils(Block(stencil_text(kernel), (dofs, auxiliaries), slots), self.calls)
+
+    def drag(self, kernel: DragKernel, dofs: IntArray, pattern: Pattern) -> DragLoop:
+        """Loop of a drag kernel."""
+        loaded = dofs[:, kernel.loaded_dofs]
+        row, column, _, _ = kernel.stiffness_table
+        i, j = np.divmod(np.arange(kernel.forces**2), kernel.forces)
+        slots = (
+            pattern.slots_of(dofs[:, row], dofs[:, column]),
+            pattern.slots_of(loaded[:, i], loaded[:, j]),
+        )
+        return _NotedDrag(Block(drag_text(kernel), (dofs,), slots), self.calls)
+
+    def load(self, kernel: LoadKernel, dofs: IntArray, auxiliaries: IntArray, pattern: Pattern) -> LoadLoop:
+        """Refuse."""
+        raise NotWovenError
+
+    def rate(self, kernel: RateKernel, dofs: IntArray, auxiliaries: IntArray, pattern: Pattern) -> RateLoop:
+        """Refuse."""
+        raise NotWovenError
+
+    def map(self, function: Callable[[Any], Any], inputs: FloatArray, outputs: int) -> FloatArray:
+        """Refuse."""
+        raise NotWovenError
+
+    def compiled(self, loop: LoopT) -> LoopT | None:
+        """None."""
+        return None
+
+    def woven(self, text: LoopText, parts: tuple[LoopText, ...]) -> Callable[..., Any] | None:
+        """None."""
+        return None

@@ -1,0 +1,157 @@
+"""Steps in one compiled function end where Python's steps end, to round-off, and fail as they fail."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from dismech_cli.compose.compose import compose
+from dismech_cli.run.loop import Limits, Outcome, run
+from dismech_cli.run.simulation import Simulation
+from dismech_cli.scenario.load import load
+from dismech_cli.session.sinks import Memory
+from dismech_cli.solve.linear import band_loops
+from dismech_cli.solve.status import Status
+from dismech_cli.solve.step import Stepper
+from dismech_cli.solve.system import System
+from dismech_cli.solve.woven import Woven
+
+pytest.importorskip("numba")
+SCENARIOS = Path(__file__).parents[2] / "scenarios"
+
+
+def _simulation(name: str) -> Simulation:
+    return compose(load(SCENARIOS / f"{name}.yaml"), "numba").simulation
+
+
+def _ran(simulation: Simulation, until: float) -> tuple[Outcome, Memory, list[Any]]:
+    """A run, and what its compiled steps gave."""
+    found: list[Any] = []
+    original = Woven.solve
+    with pytest.MonkeyPatch.context() as patch:
+
+        def noting(self: Woven, *arguments: Any) -> Any:
+            found.append(original(self, *arguments))
+            return found[-1]
+
+        patch.setattr(Woven, "solve", noting)
+        memory = Memory()
+        return run(simulation, memory, limits=Limits(until=until)), memory, found
+
+
+# planar, isotropic and framed; driven strains; resistive drag, whose matrix is unsymmetric; statics
+@pytest.mark.parametrize(
+    ("name", "until"),
+    [
+        ("cantilever_dynamic_1e6", 0.05),
+        ("serpentine", 0.2),
+        ("helix_soft", 0.2),
+        ("snake", 0.3),
+        ("l_frame", np.inf),
+        ("two_limb", 0.2),
+        ("helix_soft_static", np.inf),
+    ],
+)
+def test_runs_are_equal_to_round_off(name: str, until: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    simulation = _simulation(name)
+    woven, frames, found = _ran(simulation, until)
+    monkeypatch.setattr(System, "woven", lambda self, stage, stored: None)
+    plain, others, none = _ran(simulation, until)
+    assert not none
+    assert found, "the scene has a compiled step"
+    assert all(one is not None for one in found)
+    assert woven.counters == plain.counters
+    one, two = (np.array([frame.positions for frame in memory.frames]) for memory in (frames, others))
+    size = float(np.ptp(two[0], axis=0).max())
+    assert_allclose(one, two, rtol=0.0, atol=1e-10 * size)
+    assert np.abs(one[-1] - one[0]).max() > 1e-4 * size
+
+
+def test_a_run_compiles_its_step_once() -> None:
+    """Arrays of another layout would be compiled for anew, for seconds and without a word."""
+    simulation = _simulation("snake")
+    stepper = Stepper(simulation.model, simulation.integrator, simulation.newton, simulation.linear_solver)
+    state = stepper.prepare(simulation.start)
+    for _ in range(3):
+        state = stepper.step(state, 0.01).state
+    woven = stepper.system._woven
+    assert woven is not None
+    module = woven._solve.func.__self__._module
+    assert len(module.solve.signatures) == 1
+
+
+@pytest.mark.parametrize("name", ["jellyfish", "rod_drop", "parachute_updraught", "gridshell", "s_shape"])
+def test_what_cannot_be_woven_is_not(name: str) -> None:
+    """Shells, contact, flow that varies and wide nets step in Python."""
+    simulation = _simulation(name)
+    stepper = Stepper(
+        simulation.model,
+        simulation.integrator,
+        simulation.newton,
+        simulation.linear_solver,
+        simulation.advance,
+    )
+    stepper.step(stepper.prepare(simulation.start), 1e-4)
+    assert stepper.system._woven is None
+
+
+def test_a_step_that_fails_fails_as_it_did(monkeypatch: pytest.MonkeyPatch) -> None:
+    simulation = _simulation("helix_soft")
+    ends = []
+    for _ in range(2):
+        few = replace(simulation.newton, max_iterations=1, tolerance=1e-13)
+        stepper = Stepper(simulation.model, simulation.integrator, few, simulation.linear_solver)
+        ends.append(stepper.step(stepper.prepare(simulation.start), 0.05))
+        nowhere = replace(simulation.start, v=np.full_like(simulation.start.v, np.nan))
+        ends.append(stepper.step(stepper.prepare(nowhere), 1e-3))
+        monkeypatch.setattr(System, "woven", lambda self, stage, stored: None)
+    assert ends[0].status is ends[2].status is not Status.CONVERGED
+    assert ends[1].status is ends[3].status is Status.NOT_FINITE
+    assert (ends[0].iterations, ends[0].worst) == (ends[2].iterations, ends[2].worst)
+
+
+@pytest.mark.parametrize(("m", "width"), [(1, 0), (3, 5), (40, 6), (60, 11)])
+def test_factors_of_bands(m: int, width: int) -> None:
+    """Solutions have a residual of rounding; a matrix that is singular or indefinite is told."""
+    rng = np.random.default_rng(m)
+    full = rng.standard_normal((m, m))
+    i, j = np.indices((m, m))
+    full[np.abs(i - j) > width] = 0.0
+    spd = full @ full.T + np.eye(m)
+    spd[np.abs(i - j) > width] = 0.0
+    spd += m * np.eye(m) * np.abs(spd).max()
+    b = rng.standard_normal(m)
+
+    upper = np.zeros(m * (width + 1))
+    keep = (j >= i) & (j - i <= width)
+    upper[(i * (width + 1) + j - i)[keep]] = spd[keep]
+    factor, x = upper.copy(), b.copy()
+    assert band_loops.cholesky(factor, width, m)
+    band_loops.solve_cholesky(factor, width, x)
+    assert_allclose(spd @ x, b, atol=1e-13 * m)
+    out = np.empty(m)
+    assert band_loops.symmetric_defect(upper, width, x, b, out) < 1e-13 * m
+    factor = upper.copy()
+    factor[(m // 2) * (width + 1)] *= -1.0
+    assert not band_loops.cholesky(factor, width, m)
+
+    rows = np.zeros(m * (3 * width + 1))
+    keep = np.abs(j - i) <= width
+    rows[(i * (3 * width + 1) + j - i + width)[keep]] = full[keep]
+    factor, x, pivots = rows.copy(), b.copy(), np.empty(m, dtype=np.int64)
+    assert band_loops.pivoted(factor, width, m, pivots)
+    band_loops.solve_pivoted(factor, width, pivots, x)
+    assert_allclose(full @ x, b, rtol=0.0, atol=1e-15 * m**2 * np.abs(full).max() * np.abs(x).max())
+    assert_allclose(
+        band_loops.defect(rows, width, x, b, out),
+        np.abs(b - full @ x).max(),
+        rtol=0.0,
+        atol=1e-12 * np.abs(x).max(),
+    )
+    assert m == 1 or (pivots != np.arange(m)).any()
+    assert not band_loops.pivoted(np.zeros_like(rows), width, m, pivots)
