@@ -179,14 +179,16 @@ def _shared(keys: IntArray, levels: IntArray) -> tuple[IntArray, IntArray, IntAr
     every, first, of, times = np.unique(
         keys.reshape(-1), return_index=True, return_inverse=True, return_counts=True
     )
-    _, begins, group, sizes = np.unique(
-        every // depth, return_index=True, return_inverse=True, return_counts=True
-    )
+    # ascending: levels of a key are neighbours
+    key = every // depth
+    begins = np.append(True, key[1:] != key[:-1])[: len(key)]
+    group = np.cumsum(begins) - 1
+    until = np.append(np.flatnonzero(begins), len(key))[group + 1]
     double = np.bincount(group, times)[group] >= 2
     place = np.where(double, np.cumsum(double) - 1, -1)
     kept = np.flatnonzero(double)
-    ends = np.append(0, np.cumsum(double))[(begins + sizes)[group]]
-    return place[of.reshape(keys.shape)], first[kept], ends[kept]
+    ends = np.append(0, np.cumsum(double))[until[kept]]
+    return place[of.reshape(keys.shape)], first[kept], ends
 
 
 def _from_here_on(values: IntArray, until: IntArray) -> IntArray:

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 import pytest
 from contact_decks import crossing
+from numpy.testing import assert_allclose
 
 import dismech_cli
 
@@ -36,12 +38,12 @@ def falling(law: dict[str, Any], dt: float) -> dict[str, Any]:
     }
 
 
-def sheets(law: dict[str, Any], dt: float) -> dict[str, Any]:
+def sheets(law: dict[str, Any], dt: float, thickness: Any = 2e-3) -> dict[str, Any]:
     """A sheet that flies at another at 1 m/s."""
 
     def sheet(name: str, origin: list[float]) -> dict[str, Any]:
         plan = {"shape": "sheet", "origin": origin, "length": 0.1, "width": 0.06, "divisions": 3}
-        body = {"type": "shell", "name": name, "material": "m", "thickness": 2e-3, "bending": "midedge"}
+        body = {"type": "shell", "name": name, "material": "m", "thickness": thickness, "bending": "midedge"}
         return body | {"generate": plan | {"pattern": "alternating"}}
 
     return {
@@ -80,3 +82,23 @@ def test_a_rod_on_a_rod(law: dict[str, float], dt: float) -> None:
 @pytest.mark.parametrize("tolerance", [0.1, 0.02])
 def test_a_sheet_on_a_sheet(tolerance: float, dt: float) -> None:
     assert energy_made(sheets({"tolerance": tolerance}, dt)) <= MOST
+
+
+BUMPY = {"expression": "0.002 + 0.0006*sin(700*x)*cos(900*y)"}
+
+
+@pytest.mark.parametrize("kernels", ["numpy", "numba"])
+def test_sheets_whose_thickness_changes_from_triangle_to_triangle(kernels: str) -> None:
+    """Layers are taken off of each other where bodies slide, too: momentum is kept, and no energy is made."""
+    deck = sheets({"tolerance": 0.05}, 1e-3, BUMPY)
+    deck["initial_velocity"][0]["velocity"] = [0.5, 0.2, -1.0]
+    deck["numerics"]["kernels"] = kernels
+    report = dismech_cli.simulate(deck)
+    assert report.exit == 0, report.message
+    assert 0.0 < report.outcome.state.memory["contact.worst"][0] <= 0.05
+    assert report.scalars["error"].max() <= MOST * report.scalars["kinetic"][0]
+    state, model = report.outcome.state, report.composition.simulation.model
+    momentum = (model.mass * state.v)[: model.dofs.n_positions].reshape(-1, 3)
+    mass = float(model.mass[: model.dofs.n_positions].reshape(-1, 3)[12:, 0].sum())
+    assert_allclose(momentum.sum(axis=0), mass * np.array([0.5, 0.2, -1.0]), atol=1e-10 * mass)
+    assert momentum[:12, 2].sum() < -0.2 * mass
