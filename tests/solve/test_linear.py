@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import os
+import sys
+from pathlib import Path
+
 import numpy as np
 import pytest
 from cases import UNEQUAL, adapted, configuration, disturbed, framed_rod, helix, isotropic_rod, ring, straight
@@ -13,6 +17,7 @@ from dismech_cli.arrays import FloatArray
 from dismech_cli.kernels.linearization import Coupling, Linearization
 from dismech_cli.kinematics.dofs import DofMap
 from dismech_cli.model.model import Model
+from dismech_cli.solve.linear import pardiso
 from dismech_cli.solve.linear.banded import BandedSolver
 from dismech_cli.solve.linear.choice import BAND_LIMIT, DENSE_LIMIT, LINEAR_SOLVERS, choose_solver
 from dismech_cli.solve.linear.factors import FactorizationError
@@ -231,3 +236,22 @@ def test_choice_by_structure() -> None:
     assert chosen(DENSE_LIMIT + 1, 2) == "banded"
     assert chosen(500, BAND_LIMIT) == "banded"
     assert chosen(500, BAND_LIMIT + 1) == ("pardiso" if pardiso_available() else "superlu")
+
+
+def test_pypardiso_is_told_where_its_library_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its own search starts the linker and the compiler; what a user says, and nothing else, stays."""
+    place = "PYPARDISO_MKL_RT"
+    monkeypatch.delenv(place, raising=False)
+    monkeypatch.setattr(sys, "prefix", str(tmp_path))
+    assert pardiso._where() is None
+    (tmp_path / "lib").mkdir()
+    (tmp_path / "lib" / "libmkl_rt.so.3").touch()
+    found = pardiso._where()
+    assert found == tmp_path / "lib" / "libmkl_rt.so.3"
+    with pardiso._told(found):
+        assert os.environ[place] == str(found)
+    assert place not in os.environ
+    monkeypatch.setenv(place, "elsewhere")
+    with pardiso._told(found):
+        assert os.environ[place] == "elsewhere"
+    assert os.environ[place] == "elsewhere"

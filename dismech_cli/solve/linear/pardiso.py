@@ -7,9 +7,14 @@ treats every matrix as unsymmetric, so the phases are called here directly.
 from __future__ import annotations
 
 import ctypes
+import os
+import sys
 import weakref
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import cache
-from typing import Any, ClassVar
+from pathlib import Path
+from typing import Any, ClassVar, Final
 
 import numpy as np
 
@@ -20,6 +25,7 @@ from .factors import FactorizationError, checked
 # Below this order minimum degree gives factors no larger than nested dissection, and finds them sooner
 # (benchmarks/shells.py: 2.2 ms instead of 2.5 ms at 1500 DOFs, 80 ms instead of 67 ms at 15 000).
 _SMALL = 5000
+_PLACE: Final = "PYPARDISO_MKL_RT"
 _PLAIN, _TRANSPOSED = 0, 2  # values of iparm(12)
 _MINIMUM_DEGREE, _NESTED_DISSECTION = 0, 2
 _ANALYSE, _FACTORISE, _SOLVE, _RELEASE = 11, 22, 33, -1
@@ -29,12 +35,34 @@ POSITIVE_DEFINITE, _INDEFINITE, _UNSYMMETRIC = 2, -2, 11
 @cache
 def _entry_point() -> Any:
     """PARDISO in the loaded MKL library; raises ImportError where there is none."""
-    from pypardiso import PyPardisoSolver
+    with _told(_where()):
+        from pypardiso import PyPardisoSolver
 
+        library = PyPardisoSolver().libmkl
     # By index, not by name: a function object of its own, without pypardiso's argument types.
-    function = PyPardisoSolver().libmkl["pardiso"]
+    function = library["pardiso"]
     function.restype = None
     return function
+
+
+def _where() -> Path | None:
+    """MKL's library where pip and conda put it; None where it is elsewhere."""
+    folders = (Path(sys.prefix) / "lib", Path(sys.prefix) / "Library" / "bin")
+    names = ("libmkl_rt.so*", "libmkl_rt*.dylib", "mkl_rt*.dll")
+    return next((file for folder in folders for name in names for file in sorted(folder.glob(name))), None)
+
+
+@contextmanager
+def _told(library: Path | None) -> Iterator[None]:
+    """Tell pypardiso where it is, unless the user does: it would ask the linker and the compiler, twice."""
+    if library is None or _PLACE in os.environ:
+        yield
+        return
+    os.environ[_PLACE] = str(library)
+    try:
+        yield
+    finally:
+        del os.environ[_PLACE]
 
 
 def pardiso_available() -> bool:
