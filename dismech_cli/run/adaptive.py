@@ -135,6 +135,11 @@ class Adaptive:
         """What makes steps shorter."""
         return "reduce numerics.step.rtol"
 
+    @property
+    def finer(self) -> str:
+        """What lets steps be cut further."""
+        return "make numerics.step.dt_min shorter"
+
     def shorter(self, dt: float) -> str:
         """The change to a tenth of the tolerance."""
         return f"numerics.step.rtol={0.1 * self.tolerance.rtol:.3g}"

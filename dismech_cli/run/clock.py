@@ -52,6 +52,7 @@ class Clock:
     level: int = 0
     doubt: ClassVar[str] = ""
     calmer: ClassVar[str] = "reduce numerics.dt"
+    finer: ClassVar[str] = "raise numerics.step.max_cuts"
 
     @property
     def t_end(self) -> float:

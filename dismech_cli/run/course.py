@@ -12,6 +12,7 @@ from ..model.state import State
 from ..solve.status import Status
 from ..solve.step import Stepper, StepResult
 from .account import EnergyAccount
+from .ambiguity import Ambiguity
 from .framing import Framing
 from .observables.snapshot import Snapshot
 from .observe import Observer, Singular
@@ -32,6 +33,7 @@ _PARTS = (
     "watched",
     "validity",
     "symmetry",
+    "ambiguity",
     "framing",
 )
 
@@ -52,6 +54,7 @@ class Course:
         watched: Probes read after every step.
         validity: What passed the limits of the models.
         symmetry: What nothing disturbs.
+        ambiguity: Steps with more than one solution.
         framing: Frames written.
         singular: Where eigenvalues could not be counted: the first state, if any.
     """
@@ -67,6 +70,7 @@ class Course:
     watched: Watched
     validity: Validity
     symmetry: Symmetry
+    ambiguity: Ambiguity
     framing: Framing
     singular: list[Singular]
 
@@ -98,6 +102,7 @@ class Course:
             watched=watched,
             validity=validity,
             symmetry=Symmetry(stepper),
+            ambiguity=Ambiguity(),
             framing=Framing(
                 simulation.frame_every, simulation.looks, observer, watched, validity, sink, stopwatch
             ),
@@ -198,6 +203,9 @@ class Course:
         before, dt = self.state, result.state.t - self.state.t
         self.account.advance(before, result.state, result.put_in, result.trail[1:-1])
         self._tell_contact(result.state)
+        if result.ambiguous:
+            self.ambiguity.taken(result.state.t)
+            self.sink.event("ambiguous_step", result.state.t, dt=dt)
         self.state = result.state
         self.control = self.control.accepted(result)
         self.counters.steps += 1

@@ -16,6 +16,7 @@ from ..solve.problem import exact
 from ..solve.relax import relaxed
 from ..solve.status import Status
 from ..solve.step import StepResult, through_stages
+from .ambiguity import Ambiguity
 from .observables.snapshot import Snapshot
 from .simulation import Simulation
 from .symmetry import Found
@@ -231,6 +232,16 @@ def describe_symmetry(simulation: Simulation, found: Found) -> str:
         f"at t = {found.t:.4g} s the robot was in an unstable balance, in {ways} that nothing moved it: "
         "perfectly straight, round, flat or planar, it stays so where a real one buckles, within about "
         f"{1.0 / found.rate:.2g} s; let it deviate: {_deviation(simulation)}"
+    )
+
+
+def describe_ambiguity(simulation: Simulation, ambiguity: Ambiguity) -> str:
+    """What to say when steps had more than one solution, as where something buckles, and were not cut."""
+    first = f"to t = {ambiguity.first:.4g} s"
+    which = f"the step {first}" if ambiguity.steps == 1 else f"{ambiguity.steps} steps, the first {first},"
+    return (
+        f"{which} had more than one solution, as where something thin snaps or buckles, and could not be cut: "
+        f"one of them was taken; {simulation.control.finer}, or {simulation.control.calmer}"
     )
 
 

@@ -18,6 +18,7 @@ from .course import Course
 from .failure import (
     Attempt,
     Failure,
+    describe_ambiguity,
     describe_failure,
     describe_growth,
     describe_infinite,
@@ -210,7 +211,8 @@ def _blown_up(course: Course, failure: Failure) -> Outcome:
 def _ended(course: Course, end: End, why: Failure, doubts: tuple[str, ...] = ()) -> Outcome:
     """Say what came of the run."""
     singular = tuple(describe_singular(course.simulation, *found) for found in course.singular)
-    touched = course.simulation.touched
+    ambiguity, touched = course.ambiguity, course.simulation.touched
+    taken = (describe_ambiguity(course.simulation, ambiguity),) if ambiguity.steps else ()
     return Outcome(
         end=end,
         message=why.message,
@@ -219,7 +221,7 @@ def _ended(course: Course, end: End, why: Failure, doubts: tuple[str, ...] = ())
         seconds=course.seconds,
         times=course.watched.times,
         watched=course.watched.values,
-        doubts=(*singular, *doubts),
+        doubts=(*singular, *taken, *doubts),
         remedy=why.remedy,
         penetration=None if touched is None else touched.deepest(course.state),
     )

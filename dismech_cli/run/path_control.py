@@ -44,6 +44,7 @@ class PathControl:
     branches: tuple[float, ...] = ()
     closing: ClassVar[bool] = False
     calmer: ClassVar[str] = "reduce numerics.integrator.path.largest"
+    finer: ClassVar[str] = "raise numerics.step.max_cuts"
 
     @property
     def t_end(self) -> float:

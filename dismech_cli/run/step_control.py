@@ -43,6 +43,10 @@ class StepControl(Saved, Protocol):
     def calmer(self) -> str:
         """What a user may do for shorter steps, in words."""
 
+    @property
+    def finer(self) -> str:
+        """What lets steps be cut further, in words."""
+
     def shorter(self, dt: float) -> str:
         """The change of the scenario that makes steps of ``dt`` [s] shorter, as ``KEY=VALUE``."""
 

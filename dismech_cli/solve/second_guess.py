@@ -19,7 +19,7 @@ from .status import Status
 
 # Factorisations from which a stage was slow: measured on 30 shipped scenes, all but a few stages take fewer.
 SLOW = 8
-# Factorisations that the other guess may take.
+# Factorisations that the other guess may take at least.
 _PATIENCE = 20
 # Solutions farther apart than this share of the motion are two; what Newton leaves is far smaller.
 _APART = 0.05
@@ -41,7 +41,7 @@ def confirmed(
         guess: The other guess, shape (n,).
         found: The solution in doubt.
     """
-    settings = replace(problem.settings, max_iterations=_PATIENCE)
+    settings = replace(problem.settings, max_iterations=max(_PATIENCE, problem.settings.max_iterations))
     other = solve(replace(problem, settings=settings), guess)
     if other.status is not Status.CONVERGED:
         return True, other.iterations

@@ -35,7 +35,8 @@ class StepResult:
         residual_norm: Largest free residual [N] of the last stage.
         residual: Residual (n,) of the last stage: reactions on held DOFs.
         worst: DOF with the largest residual of a failed step, or -1.
-        indefinite: Whether the tangent of a stage is known to have a negative eigenvalue at its solution.
+        ambiguous: Whether a step in time may have another solution: one was found from another guess, or the
+            tangent of a stage is known to have a negative eigenvalue at its own.
         arrived: Whether this is where a path was to end.
         put_in: Energy [J] that came from nothing moving: contact that was made stiffer.
         unsettled: Whether what comes and goes asked for the step once more, and that failed.
@@ -48,7 +49,7 @@ class StepResult:
     residual_norm: float
     residual: FloatArray
     worst: int
-    indefinite: bool = False
+    ambiguous: bool = False
     arrived: bool = False
     put_in: float = 0.0
     unsettled: bool = False
@@ -109,14 +110,13 @@ class Stepper:
         """
         self.model = model
         self.integrator = integrator
-        self._settings = settings
-        self._moves = bool(model.mass.any())
-        self._hasty = replace(settings, max_iterations=min(settings.patience, settings.max_iterations))
-        if self._moves and not model.changing:  # friction alone leaves more than one balance
-            self._hasty = replace(self._hasty, slow=SLOW)
+        moves = bool(model.mass.any())
+        # friction alone leaves more than one balance
+        self._settings = replace(settings, slow=SLOW) if moves and not model.changing else settings
+        self._hasty = replace(self._settings, max_iterations=min(settings.patience, settings.max_iterations))
         self._wanted = solver
         self.predictor = Predictor(model)
-        self._massless = (model.mass == 0.0) & self._moves
+        self._massless = (model.mass == 0.0) & moves
         self._advance = through_stages if advance is None else advance
         self._analyses, self._changing_seconds = 0, 0.0
         self._binding = self._bound(0.0)
@@ -179,7 +179,7 @@ class Stepper:
         result = self._advanced(start, dt, self._hasty)
         if result.unsettled:
             return replace(result, state=start, status=Status.UNSETTLED)
-        if result.indefinite and self._moves:
+        if result.ambiguous:
             return replace(result, state=start, status=Status.AMBIGUOUS)
         return result
 
@@ -248,7 +248,7 @@ def through_stages(
     stepper: Stepper, start: State, dt: float, settings: NewtonSettings, solve: Solve = solve_stage
 ) -> StepResult:
     """All stages of the integrator, each by a solver for its balance."""
-    system, latest, iterations, indefinite = stepper.system, start, 0, False
+    system, latest, iterations, ambiguous = stepper.system, start, 0, False
     trail = [start]
     for index in range(stepper.integrator.stages):
         stage = stepper.integrator.stage(index, start, latest, dt)
@@ -265,15 +265,12 @@ def through_stages(
             return StepResult(
                 start, result.status, iterations, result.residual_norm, result.residual, result.worst
             )
+        ambiguous = ambiguous or (result.indefinite and stage.weights.a > 0.0)
         if result.iterations >= settings.slow:
             again = StageProblem(system, stage, latest.frames, settings)
             sure, spent = confirmed(again, solve, latest.q, stepper.predictor.still(again, since), result)
             iterations += spent
-            if not sure:
-                return StepResult(
-                    start, Status.AMBIGUOUS, iterations, result.residual_norm, result.residual, result.worst
-                )
-        indefinite = indefinite or result.indefinite
+            ambiguous = ambiguous or not sure
         latest = stepper.accept(stage, latest, result.q)
         trail.append(latest)
     # What holds a mass also moves it, along its path and not as the integrator would have it.
@@ -288,6 +285,6 @@ def through_stages(
         result.residual_norm,
         result.residual,
         -1,
-        indefinite,
+        ambiguous,
         trail=tuple(trail),
     )
