@@ -240,8 +240,8 @@ def describe_ambiguity(simulation: Simulation, ambiguity: Ambiguity) -> str:
     first = f"to t = {ambiguity.first:.4g} s"
     which = f"the step {first}" if ambiguity.steps == 1 else f"{ambiguity.steps} steps, the first {first},"
     return (
-        f"{which} had more than one solution, as where something thin snaps or buckles, and could not be cut: "
-        f"one of them was taken; {simulation.control.finer}, or {simulation.control.calmer}"
+        f"{which} had more than one solution, as where something thin snaps or buckles, and could not be "
+        f"cut: one of them was taken; {simulation.control.finer}, or {simulation.control.calmer}"
     )
 
 

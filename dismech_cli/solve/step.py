@@ -111,8 +111,7 @@ class Stepper:
         self.model = model
         self.integrator = integrator
         moves = bool(model.mass.any())
-        # friction alone leaves more than one balance
-        self._settings = replace(settings, slow=SLOW) if moves and not model.changing else settings
+        self._settings = replace(settings, slow=SLOW) if moves else settings
         self._hasty = replace(self._settings, max_iterations=min(settings.patience, settings.max_iterations))
         self._wanted = solver
         self.predictor = Predictor(model)
@@ -268,7 +267,8 @@ def through_stages(
         ambiguous = ambiguous or (result.indefinite and stage.weights.a > 0.0)
         if result.iterations >= settings.slow:
             again = StageProblem(system, stage, latest.frames, settings)
-            sure, spent = confirmed(again, solve, latest.q, stepper.predictor.still(again, since), result)
+            still = again.reachable(latest.q, stepper.predictor.still(again, since))
+            sure, spent = confirmed(again, solve, latest.q, still, result)
             iterations += spent
             ambiguous = ambiguous or not sure
         latest = stepper.accept(stage, latest, result.q)

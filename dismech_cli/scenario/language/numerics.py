@@ -131,8 +131,8 @@ class Step(Spec):
     )
     max_cuts: Annotated[int, Field(ge=0, le=60)] = Field(
         default=10,
-        description="How often a fixed dt may be halved before giving up; adaptive ones go to `dt_min`. A step "
-        "with more than one solution that may not be halved is taken, and the run says so.",
+        description="How often a fixed dt may be halved before giving up; adaptive ones go to `dt_min`. A "
+        "step with more than one solution that may not be halved is taken, and the run says so.",
     )
     patience: Annotated[int, Field(ge=1, le=10_000)] = Field(
         default=10,
