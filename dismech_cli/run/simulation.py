@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -64,7 +64,7 @@ class Simulation:
     fields: tuple[Field, ...]
     probes: Mapping[str, Probe]
     watched: Mapping[str, Probe]
-    places: tuple[str, ...]
+    places: Sequence[str]
     advance: Advance = through_stages
     checks: tuple[Check, ...] = ()
     touched: Touched | None = None

@@ -22,7 +22,7 @@ from ..scenario.language.numerics import Numerics
 from ..scenario.load import load
 from ..scenario.text.parameters import Parameter
 from ..scenario.views.provenance import as_json
-from ..solve.system import System
+from ..solve.system import base_pattern, chosen_solver
 from .joints import JointLine, joint_lines
 from .loops import look_at_loops, nominal_step
 from .modes import Modes, find_modes
@@ -207,15 +207,14 @@ def estimate(composition: Composition, numerics: Numerics) -> Cost:
     """
     simulation = composition.simulation
     model, topology = simulation.model, simulation.topology
-    wanted = simulation.linear_solver
-    system = System(model, ~held_dofs(model.motions, model.dofs.n, 0.0), wanted)
-    pattern = system.pattern
+    pattern = base_pattern(model, ~held_dofs(model.motions, model.dofs.n, 0.0))
     steps = simulation.control.steps
     end = simulation.control.t_end
     frames = steps + 1
     if simulation.frame_every > 0.0:
         frames = min(frames, int(end / simulation.frame_every * (1.0 + 1e-12)) + 1)
-    solver, kernels = system.solver.name, composition.plan.kernels
+    solver = chosen_solver(model, pattern, simulation.linear_solver)
+    kernels = composition.plan.kernels
     work = Work.of(numerics, composition.geometry, touching=bool(model.changing), steps=steps)
     return Cost(
         dofs=model.dofs.n,

@@ -8,6 +8,7 @@ from math import pi, sqrt
 import numpy as np
 
 from ..arrays import FloatArray
+from ..kinematics.motion import held_dofs
 from ..run.simulation import Simulation
 from ..solve.linear.factors import FactorizationError
 from ..solve.linear.modes import softest_modes
@@ -64,12 +65,13 @@ def find_modes(simulation: Simulation, step: float | None) -> Modes | None:
         step: Its time step [s]; None where steps adapt.
     """
     model = simulation.model
-    if not model.mass.any():
+    free = ~held_dofs(model.motions, model.dofs.n, 0.0)
+    if not model.mass.any() or not 1 < np.count_nonzero(free) <= _MOST:
         return None
     stepper = Stepper(model, simulation.integrator, simulation.newton, simulation.linear_solver)
     state, pattern = stepper.prepare(simulation.start), stepper.system.pattern
     mass = model.mass[pattern.free]
-    if not pattern.symmetric or not 1 < pattern.m <= _MOST or not (mass > 0.0).all():
+    if not pattern.symmetric or not (mass > 0.0).all():
         return None
     values = stepper.stability.stiffness(state)
     with np.errstate(all="ignore"):

@@ -52,26 +52,18 @@ class SparsityPattern:
         Args:
             dofs: Numbering.
             free: Mask of the free DOFs, shape (n,).
-            couplings: DOFs that terms couple.
+            couplings: DOFs that terms couple, all of a node together.
             symmetric: Whether to store the upper triangle only.
         """
         listed = _matrix_order(dofs, free, couplings)
         order = np.full(dofs.n, -1, dtype=np.int64)
         order[listed] = np.arange(len(listed))
         m = len(listed)
-        keys = [np.arange(m) * (m + 1)]
-        for coupling in couplings:
-            local = order[coupling.dofs]
-            rows = np.repeat(local, local.shape[1], axis=1).reshape(-1)
-            columns = np.tile(local, (1, local.shape[1])).reshape(-1)
-            keep = (rows >= 0) & (columns >= 0)
-            if symmetric:
-                keep &= rows <= columns
-            keys.append(_distinct(rows[keep] * m + columns[keep]))
-        key = _distinct(np.concatenate(keys))
         nodes, angles = dofs.n_nodes, dofs.n - dofs.n_positions
         block = np.concatenate((np.repeat(np.arange(nodes), dofs.dimension), nodes + np.arange(angles)))
-        return cls(listed, order, block, key, *_compressed(key, m), symmetric)
+        diagonal = np.arange(m) * (m + 1)
+        alone = cls(listed, order, block, diagonal, *_compressed(diagonal, m), symmetric)
+        return alone.extended(alone.entries(couplings)).pattern
 
     @property
     def m(self) -> int:

@@ -29,6 +29,24 @@ from .woven import Woven, weave
 _EPS = float(np.finfo(np.float64).eps)
 
 
+def base_pattern(model: Model, free: BoolArray) -> SparsityPattern:
+    """The pattern of a model's terms that stay.
+
+    Args:
+        model: The semi-discrete system.
+        free: Mask of the free DOFs, shape (n,).
+    """
+    couplings = [coupling for term in model.terms for coupling in term.couplings]
+    symmetric = all_symmetric(couplings) and all(term.symmetric for term in model.changing)
+    return SparsityPattern.build(model.dofs, free, couplings, symmetric=symmetric)
+
+
+def chosen_solver(model: Model, pattern: SparsityPattern, wanted: str) -> str:
+    """Key of ``LINEAR_SOLVERS`` for a model with this pattern; ``wanted`` may be one, or ``"auto"``."""
+    spreads = any(term.spreads for term in model.changing)
+    return choose_solver(pattern, spreads=spreads) if wanted == "auto" else wanted
+
+
 class System:
     """All terms bound to one pattern, with their assembly and a linear solver.
 
@@ -54,9 +72,7 @@ class System:
             solver: Key of ``LINEAR_SOLVERS``, or ``"auto"``.
         """
         self.model = model
-        couplings = [coupling for term in model.terms for coupling in term.couplings]
-        symmetric = all_symmetric(couplings) and all(term.symmetric for term in model.changing)
-        base = SparsityPattern.build(model.dofs, free, couplings, symmetric=symmetric)
+        base = base_pattern(model, free)
         self._base = self.pattern = base
         self._exact = Terms.bound(model, base, model.driver, exactly)
         self._overlay = Overlay(base, model.changing, model.driver) if model.changing else None
@@ -68,10 +84,7 @@ class System:
         self.at_node = at_node.astype(np.float64)
         self.at_angle = 1.0 - self.at_node
         self.extent = float(np.ptp(model.dofs.positions(model.rest), axis=0).max())
-        spreads = any(term.spreads for term in model.changing)
-        self._make_solver = LINEAR_SOLVERS[
-            choose_solver(base, spreads=spreads) if solver == "auto" else solver
-        ]
+        self._make_solver = LINEAR_SOLVERS[chosen_solver(model, base, solver)]
         self.analyses = 0
         self._looked = False
         self._woven: Woven | None = None

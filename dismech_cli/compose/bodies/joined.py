@@ -19,7 +19,7 @@ def joined_by_file(geometry: Geometry, shared: Sequence[tuple[int, int]]) -> Ite
         geometry: The bodies apart.
         shared: The pairs of nodes.
     """
-    words, bodies = _words(geometry)
+    words, bodies = _words(geometry) if shared else ([], [])
     for a, b in shared:
         yield Joined(None, (bodies[a], bodies[b]), (words[a], words[b]), a, (), 0.0)
 
@@ -36,7 +36,7 @@ def joined_by_name(
         welds: The edges that turn with shells.
     """
     geometry = apart.geometry
-    words, bodies = _words(geometry)
+    words, bodies = _words(geometry) if pairs else ([], [])
     welded = {(weld.node, int(node)): weld for weld in welds for node in geometry.edges[weld.edge]}
     for pair in pairs:
         a, b = pair.nodes
@@ -57,7 +57,7 @@ def released_within(geometry: Geometry, loose: Sequence[Loose]) -> Iterator[Join
         geometry: The bodies apart.
         loose: What the joints release.
     """
-    words, bodies = _words(geometry)
+    words, bodies = _words(geometry) if loose else ([], [])
     for one in loose:
         passes = () if one.release is None else tuple(what for what in RELEASED if what != one.release)
         yield Joined(one.joint, (bodies[one.node],), (words[one.node],), one.node, passes, 0.0)

@@ -126,48 +126,79 @@ def chains(n_nodes: int, edges: IntArray) -> tuple[Chain, ...]:
         return ()
     _, label = components(n_nodes, edges)
     degree = np.bincount(edges.ravel(), minlength=n_nodes)
-    # Both ends of each edge sorted by node: the edges at node i are incident[start[i]:start[i + 1]].
-    incident = np.argsort(edges.ravel(), kind="stable") // 2
-    start = np.concatenate([[0], np.cumsum(degree)])
     piece = label[edges[:, 0]]
     by_piece = np.argsort(piece, kind="stable")
-    found = []
+    found: list[Chain] = []
+    meetings: _Meetings | None = None
     for members in np.split(by_piece, np.flatnonzero(np.diff(piece[by_piece])) + 1):
-        nodes = np.unique(edges[members])
-        if degree[nodes].max() > 2:
-            found.append(Chain(kind=ChainKind.NETWORK, nodes=nodes, edges=members))
-            continue
-        ends = nodes[degree[nodes] == 1]
-        walk_nodes, walk_edges = _walk(edges, incident, start, _first(edges, incident, start, nodes, ends))
-        if len(ends):
-            found.append(Chain(kind=ChainKind.OPEN, nodes=walk_nodes, edges=walk_edges))
+        own = edges[members]
+        if degree[own].max() > 2:
+            found.append(Chain(kind=ChainKind.NETWORK, nodes=np.unique(own), edges=members))
+        elif (own[1:, 0] == own[:-1, 1]).all():
+            found.append(_listed_in_order(own, members))
         else:
-            found.append(Chain(kind=ChainKind.CLOSED, nodes=walk_nodes[:-1], edges=walk_edges))
+            meetings = meetings or _Meetings.of(edges, degree)
+            found.append(_walked(own, degree, meetings))
     return tuple(sorted(found, key=lambda chain: int(chain.nodes.min())))
 
 
-def _first(
-    edges: IntArray, incident: IntArray, start: IntArray, nodes: IntArray, ends: IntArray
-) -> tuple[int, int]:
+def _listed_in_order(own: IntArray, members: IntArray) -> Chain:
+    """The chain of edges each of which begins where the last one ends."""
+    if own[0, 0] != own[-1, 1]:
+        return Chain(kind=ChainKind.OPEN, nodes=np.append(own[:, 0], own[-1, 1]), edges=members)
+    lowest = -int(own[:, 0].argmin())
+    return Chain(kind=ChainKind.CLOSED, nodes=np.roll(own[:, 0], lowest), edges=np.roll(members, lowest))
+
+
+@dataclass(frozen=True, slots=True)
+class _Meetings:
+    """Which edges meet at each node: at node i ``incident[start[i]:start[i + 1]]``.
+
+    Lists, which a walk reads faster one by one.
+    """
+
+    edges: list[list[int]]
+    incident: list[int]
+    start: list[int]
+
+    @classmethod
+    def of(cls, edges: IntArray, degree: IntArray) -> _Meetings:
+        """Sort both ends of each edge by node."""
+        incident = np.argsort(edges.ravel(), kind="stable") // 2
+        return cls(edges.tolist(), incident.tolist(), [0, *np.cumsum(degree).tolist()])
+
+    def at(self, node: int) -> list[int]:
+        """The edges at a node."""
+        return self.incident[self.start[node] : self.start[node + 1]]
+
+
+def _walked(own: IntArray, degree: IntArray, meetings: _Meetings) -> Chain:
+    """A chain of edges that are listed in any order and direction."""
+    nodes = np.unique(own)
+    ends = nodes[degree[nodes] == 1]
+    walk_nodes, walk_edges = _walk(meetings, *_first(meetings, (ends if len(ends) else nodes[:1]).tolist()))
+    if len(ends):
+        return Chain(kind=ChainKind.OPEN, nodes=walk_nodes, edges=walk_edges)
+    return Chain(kind=ChainKind.CLOSED, nodes=walk_nodes[:-1], edges=walk_edges)
+
+
+def _first(meetings: _Meetings, candidates: list[int]) -> tuple[int, int]:
     """Return the node and the edge to start walking from."""
-    candidates = ends if len(ends) else nodes[:1]
     for node in candidates:
-        for edge in incident[start[node] : start[node + 1]]:
-            if edges[edge, 0] == node:
-                return int(node), int(edge)
-    return int(candidates[0]), int(incident[start[candidates[0]]])
+        for edge in meetings.at(node):
+            if meetings.edges[edge][0] == node:
+                return node, edge
+    return candidates[0], meetings.at(candidates[0])[0]
 
 
-def _walk(
-    edges: IntArray, incident: IntArray, start: IntArray, first: tuple[int, int]
-) -> tuple[IntArray, IntArray]:
+def _walk(meetings: _Meetings, node: int, edge: int) -> tuple[IntArray, IntArray]:
     """Follow a chain from a node and an edge to its end or back to the start."""
-    node, edge = first
     nodes, path = [node], [edge]
     while True:
-        node = int(edges[edge].sum()) - node
+        tail, head = meetings.edges[edge]
+        node = head if node == tail else tail
         nodes.append(node)
-        onward = [int(e) for e in incident[start[node] : start[node + 1]] if e != edge]
+        onward = [e for e in meetings.at(node) if e != edge]
         if not onward or onward[0] == path[0]:
             return np.array(nodes, dtype=np.int64), np.array(path, dtype=np.int64)
         edge = onward[0]
