@@ -2,15 +2,45 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import ClassVar
 
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
+from ..geometry.kernel import loop
 from ..kernels.driver import Driver
 from ..kernels.linearization import Coupling, Linearization, Pattern
 from ..model.configuration import Configuration
+
+
+@loop
+def add_viscous(
+    v: FloatArray,
+    coefficients: FloatArray,
+    dofs: IntArray,
+    r: FloatArray,
+    damping: FloatArray,
+    slots: IntArray,
+) -> None:
+    """Add c v to the residual and c to the tangent, one DOF after the other."""
+    for s in range(len(dofs)):
+        r[dofs[s]] += coefficients[s] * v[dofs[s]]
+        damping[slots[s]] += coefficients[s]
+
+
+def _add_batch(
+    v: FloatArray,
+    coefficients: FloatArray,
+    dofs: IntArray,
+    r: FloatArray,
+    damping: FloatArray,
+    slots: IntArray,
+) -> None:
+    """The same at once."""
+    r[dofs] += coefficients * v[dofs]
+    np.add.at(damping, slots, coefficients)
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +76,8 @@ class ViscousDamping:
         """Look the diagonal entries up."""
         dofs = self.dofs.reshape(-1)
         each = np.repeat(self.coefficients, self.dofs.shape[1])
-        return BoundViscousDamping(self.name, dofs, each, pattern.symmetric_slots(dofs, dofs))
+        add = driver.compiled(add_viscous) or _add_batch
+        return BoundViscousDamping(self.name, dofs, each, pattern.symmetric_slots(dofs, dofs), add)
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,6 +88,7 @@ class BoundViscousDamping:
     dofs: IntArray
     coefficients: FloatArray
     slots: IntArray = field(repr=False)
+    add: Callable[..., None] = field(repr=False)
     potential: ClassVar[None] = None
 
     def add_residual(self, c: Configuration, r: FloatArray) -> None:
@@ -65,5 +97,4 @@ class BoundViscousDamping:
 
     def add_linearization(self, c: Configuration, into: Linearization) -> None:
         """Add eta l v and its constant tangent."""
-        self.add_residual(c, into.residual)
-        np.add.at(into.damping, self.slots, self.coefficients)
+        self.add(c.v, self.coefficients, self.dofs, into.residual, into.damping, self.slots)

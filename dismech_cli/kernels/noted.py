@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Final, cast
 
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
 from .driver import DragLoop, LoadLoop, LoopT, RateLoop, StencilLoop
 from .linearization import Linearization, Pattern
-from .loop_text import LoopText, drag_text, stencil_text
+from .loop_text import LoopText, call_text, drag_text, stencil_text
 from .shape import DragKernel, Kernel, LoadKernel, RateKernel
 
 
@@ -21,11 +21,14 @@ class Block:
 
     Attributes:
         text: Its module.
-        indices: What its linearization takes after the parameters: tables of DOFs and places.
-        slots: What it takes last: tables of slots of each tangent that it has.
+        arguments: What its main loop takes: positions ``x``, velocities ``v``, ``auxiliary``, its parameters
+            ``{p}``, its tables of ``{indices}`` and of ``{slots}``, and what it adds to.
+        indices: Tables of DOFs and places.
+        slots: Tables of slots, one for each tangent that it has.
     """
 
     text: LoopText
+    arguments: str
     indices: tuple[IntArray, ...]
     slots: tuple[IntArray, ...]
 
@@ -36,13 +39,13 @@ class Call:
 
     Attributes:
         block: The loop.
-        q: What it was given, shape (n,).
+        q: What it was given, shape (n,); None for loops that take no positions.
         v: Likewise; None for loops that take no velocity.
-        parameters: Likewise, shape (P, S).
+        parameters: Likewise, one or more for each stencil.
     """
 
     block: Block
-    q: FloatArray
+    q: FloatArray | None
     v: FloatArray | None
     parameters: FloatArray
 
@@ -80,6 +83,29 @@ class _NotedDrag:
         self.calls.append(Call(self.block, q, v, parameters))
 
 
+@dataclass(frozen=True, slots=True)
+class _NotedCall:
+    text: LoopText
+    calls: list[Call]
+
+    def __call__(
+        self,
+        v: FloatArray,
+        parameters: FloatArray,
+        dofs: IntArray,
+        r: FloatArray,
+        damping: FloatArray,
+        slots: IntArray,
+    ) -> None:
+        block = Block(self.text, _VISCOUS, (dofs,), (slots,))
+        self.calls.append(Call(block, None, v, parameters))
+
+
+_STENCILS: Final = "x, auxiliary, {p}, {indices}[0], {indices}[1], r, stiffness, {slots}[0]"
+_DRAG: Final = "x, v, {p}, {indices}[0], r, stiffness, damping, {slots}[0], {slots}[1]"
+_VISCOUS: Final = "v, {p}, {indices}[0], r, damping, {slots}[0]"
+
+
 class NotWovenError(Exception):
     """A term has a loop that compiled steps cannot take."""
 
@@ -100,7 +126,7 @@ class NotingDriver:
         """Loop of an energy kernel."""
         i, j = kernel.local_pairs
         slots = (pattern.symmetric_slots(dofs[:, i], dofs[:, j]),)
-        return _NotedStencils(Block(stencil_text(kernel), (dofs, auxiliaries), slots), self.calls)
+        return _NotedStencils(Block(stencil_text(kernel), _STENCILS, (dofs, auxiliaries), slots), self.calls)
 
     def drag(self, kernel: DragKernel, dofs: IntArray, pattern: Pattern) -> DragLoop:
         """Loop of a drag kernel."""
@@ -111,7 +137,7 @@ class NotingDriver:
             pattern.slots_of(dofs[:, row], dofs[:, column]),
             pattern.slots_of(loaded[:, i], loaded[:, j]),
         )
-        return _NotedDrag(Block(drag_text(kernel), (dofs,), slots), self.calls)
+        return _NotedDrag(Block(drag_text(kernel), _DRAG, (dofs,), slots), self.calls)
 
     def load(self, kernel: LoadKernel, dofs: IntArray, auxiliaries: IntArray, pattern: Pattern) -> LoadLoop:
         """Refuse."""
@@ -126,8 +152,8 @@ class NotingDriver:
         raise NotWovenError
 
     def compiled(self, loop: LoopT) -> LoopT | None:
-        """None."""
-        return None
+        """A loop that adds what velocities meet; it notes too."""
+        return cast(LoopT, _NotedCall(call_text(loop), self.calls))
 
     def woven(self, text: LoopText, parts: tuple[LoopText, ...]) -> Callable[..., Any] | None:
         """None."""

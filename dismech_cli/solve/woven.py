@@ -72,11 +72,11 @@ class _Parts:
 
     def text(self, *, framed: bool) -> tuple[LoopText, tuple[LoopText, ...]]:
         """The module of the step and those that it runs."""
-        texts = [None if part.block is None else part.block.text for part in self.symmetric]
-        drags = [part.block.text for part in self.general if part.block is not None]
+        blocks = [part.block for part in self.symmetric]
+        drags = [part.block for part in self.general if part.block is not None]
         carry = (map_text(edge_frame, 10, 12), map_text(joint_reference_twist, 13, 1)) if framed else None
-        source = woven_source(texts, drags, carry)
-        used = (*(text for text in (*texts, *drags) if text is not None), *(carry or ()))
+        source = woven_source(blocks, drags, carry)
+        used = (*(block.text for block in (*blocks, *drags) if block is not None), *(carry or ()))
         return LoopText.of(band_loops.cholesky, "step", source, "solve"), used
 
 
@@ -216,7 +216,8 @@ def _part(pattern: SparsityPattern, noting: NotingDriver, term: Term, at: Config
         constant = not term.couplings and not term.velocity_dependent
         return _Part(bound, None) if constant else None
     (call, *others) = noting.calls
-    alone = not others and call.q is at.q and (call.v is None or call.v is at.v) and not into.residual.any()
+    here = (call.q is None or call.q is at.q) and (call.v is None or call.v is at.v)
+    alone = not others and here and not into.residual.any()
     return _Part(bound, call.block) if alone else None
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ..kernels.loop_text import LoopText
+from ..kernels.noted import Block
 
 _HEADER = '''"""A step of Newton's method; written by dismech, do not edit."""
 
@@ -124,11 +125,15 @@ def solve(
     return -1, 0.0, r
 '''
 
+_UNDAMPED = """for i in range(len(stiffness)):
+            stiffness[i] *= wq"""
+
+_DAMPED = """for i in range(len(stiffness)):
+            stiffness[i] = wq * stiffness[i] + wv * damping[i]"""
+
 _SYMMETRIC = {
     "entries": "m * (width + 1) + 1",
-    "damped": "0",
     "pivots": "0",
-    "total": "for i in range(len(stiffness)):\n            stiffness[i] *= wq",
     "factorize": "if not cholesky(factors, width, m):\n            return -1, 0.0, r",
     "solve": "solve_cholesky(factors, width, step)",
     "refine": "solve_cholesky(factors, width, left)",
@@ -136,10 +141,7 @@ _SYMMETRIC = {
 }
 _GENERAL = {
     "entries": "m * (3 * width + 1) + 1",
-    "damped": "m * (3 * width + 1) + 1",
     "pivots": "m",
-    "total": "for i in range(len(stiffness)):\n"
-    "            stiffness[i] = wq * stiffness[i] + wv * damping[i]",
     "factorize": "if not pivoted(factors, width, m, pivots):\n            return -1, 0.0, r",
     "solve": "solve_pivoted(factors, width, pivots, step)",
     "refine": "solve_pivoted(factors, width, pivots, left)",
@@ -185,8 +187,8 @@ _MIRROR = """for i in range(len(mirror[0])):
 
 
 def woven_source(
-    symmetric: Sequence[LoopText | None],
-    general: Sequence[LoopText],
+    symmetric: Sequence[Block | None],
+    general: Sequence[Block],
     carry: tuple[LoopText, LoopText] | None,
 ) -> str:
     """Module text of a step: ``solve``.
@@ -196,38 +198,34 @@ def woven_source(
         general: Those of the others, which depend on velocities.
         carry: Loops that carry frames of edges and twists of joints; None where there are none.
     """
-    loops = [*symmetric, *general]
-    names = {f"block_{k}": text for k, text in enumerate(loops) if text is not None}
+    blocks = [*symmetric, *general]
+    names = {f"block_{k}": block.text for k, block in enumerate(blocks) if block is not None}
     if carry is not None:
         names |= {"carry_edges": carry[0], "carry_joints": carry[1]}
     terms, constants = [], 0
-    for k, text in enumerate(symmetric):
-        if text is None:
+    for k, block in enumerate(blocks):
+        if k == len(symmetric):
+            terms.append(_MIRROR)
+        if block is None:
             terms.append(f"for i in range(n):\n            r[i] += constants[{constants}, i]")
             constants += 1
         else:
-            terms.append(
-                f"block_{k}.linearization(x, auxiliary, p_{k}, indices_{k}[0], indices_{k}[1], "
-                f"r, stiffness, slots_{k}[0])"
-            )
+            arguments = block.arguments.format(p=f"p_{k}", indices=f"indices_{k}", slots=f"slots_{k}")
+            terms.append(f"block_{k}.{block.text.main}({arguments})")
         terms.append(_LARGEST)
-    if general:
-        terms.append(_MIRROR)
-    for k in range(len(symmetric), len(loops)):
-        terms.append(
-            f"block_{k}.linearization(x, v, p_{k}, indices_{k}[0], r, stiffness, damping, "
-            f"slots_{k}[0], slots_{k}[1])"
-        )
-        terms.append(_LARGEST)
+    damped = any("damping" in block.arguments for block in blocks if block is not None)
+    kind = _GENERAL if general else _SYMMETRIC
     return _HEADER.format(
         modules="\n".join(
             f'{name} = sys.modules["dismech_loops_{text.name}"]' for name, text in names.items()
         ),
         blocks=", ".join(
-            f"p_{k}, indices_{k}, slots_{k}" for k, text in enumerate(loops) if text is not None
+            f"p_{k}, indices_{k}, slots_{k}" for k, block in enumerate(blocks) if block is not None
         ),
         begin="auxiliary = np.empty(0)" if carry is None else _CARRY,
         frames="" if carry is None else _CARRIED,
         terms="\n        ".join(terms),
-        **(_GENERAL if general else _SYMMETRIC),
+        damped=kind["entries"] if damped else "0",
+        total=_DAMPED if damped else _UNDAMPED,
+        **kind,
     )

@@ -50,6 +50,8 @@ def _ran(simulation: Simulation, until: float) -> tuple[Outcome, Memory, list[An
     [
         ("cantilever_dynamic_1e6", 0.05),
         ("serpentine", 0.2),
+        ("s_shape", 0.2),
+        ("sinking_arc", 0.2),
         ("helix_soft", 0.2),
         ("snake", 0.3),
         ("l_frame", np.inf),
@@ -85,7 +87,7 @@ def test_a_run_compiles_its_step_once() -> None:
     assert len(module.solve.signatures) == 1
 
 
-@pytest.mark.parametrize("name", ["jellyfish", "rod_drop", "parachute_updraught", "gridshell", "s_shape"])
+@pytest.mark.parametrize("name", ["jellyfish", "rod_drop", "parachute_updraught", "gridshell", "roll_up"])
 def test_what_cannot_be_woven_is_not(name: str) -> None:
     """Shells, contact, flow that varies and wide nets step in Python."""
     simulation = _simulation(name)
