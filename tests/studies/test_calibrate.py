@@ -89,6 +89,25 @@ def test_two_values_of_a_swinging_arm_are_recovered(call):
     )
 
 
+@pytest.mark.slow
+def test_stiffness_drag_and_a_table_of_bends_are_recovered(call):
+    """All eight values of the shipped scene, of data with noise of one percent of the range."""
+    knots = "actuation[0].value.table=[[0, 1], [0.2, 1], [0.4, 1], [0.6, 1], [0.8, 1], [1, 1]]"
+    start = ("parameters.E=2 MPa", "parameters.drag=0.5 Pa*s", knots)
+    sets = [word for text in start for word in ("--set", text)]
+    found = fitted(
+        call("calibrate", SCENES / "measured_arm.yaml", *sets, "-o", "fit", "--no-dt-check", "--json", "-q")
+    )
+    wanted = (1e6, 0.3, 0.0, 4.0, -3.0, 5.0, 0.0, -4.0)
+    for one, value in zip(found["parameters"], wanted, strict=True):
+        assert abs(one["value"] - value) < 3.0 * one["deviation"], one
+    for one in found["parameters"][:2]:
+        assert one["deviation"] < 0.02 * one["value"]
+    assert found["chi2"] == pytest.approx(1.0, abs=0.2)
+    # by differences each evaluation would take a run, and two more for each of eight values
+    assert found["evaluations"] * 9 >= 5 * found["runs"]
+
+
 def test_the_natural_curvature_of_a_rod_that_rests_in_an_arc(call):
     # in balance EI (kappa - natural) is the moment of the weight beyond: both are known of the arc
     nodes, length, radius = 9, 0.3, 5e-3

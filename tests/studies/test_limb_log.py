@@ -8,8 +8,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+import yaml
 from cli_call import call
-from limb_log import FRAMES, LOG, curvatures, marked, posed, replay, seen, table
+from limb_log import EDGES, FRAMES, LENGTH, LOG, curvatures, marked, posed, replay, seen, table
 
 from dismech_cli import simulate
 from dismech_cli.arrays import FloatArray
@@ -53,3 +54,24 @@ def test_a_camera_placed_by_even_frames_predicts_the_odd_ones(call: Any) -> None
     assert 1e3 / found["scale"] == pytest.approx(0.2795, abs=5e-4)
     # root mean square of both coordinates: 1.80 mm is the mean distance
     assert 1e3 * found["held_out_rms"] / found["scale"] == pytest.approx(1.8, abs=0.2)
+
+
+@pytest.mark.slow
+def test_two_curvatures_of_each_frame_are_fitted_to_its_tags(call: Any) -> None:
+    """Every 13th frame; the whole log takes minutes and gives the same, see docs/calibration.md."""
+    some = slice(None, None, 13)
+    start = 2.0 * np.tan(np.radians(LOG.bends[some]) / EDGES) / (LENGTH / EDGES)
+    off = {}
+    for count in (9, 8):
+        data = table(Path("tags.csv"), LOG.tags[some], count=count)
+        fit = [{"of": f"actuation[{limb}].value.table[*][1]"} for limb in (0, 1)]
+        Path("log.yaml").write_text(json.dumps(replay(start) | {"calibrate": {"fit": fit, "data": [data]}}))
+        done = call("calibrate", "log.yaml", "-o", f"fit{count}", "--no-dt-check", "--json", "-q")
+        assert done.code == 0, done.stderr
+        model = marked(shapes(yaml.safe_load((Path(f"fit{count}") / "fitted.yaml").read_text())))
+        # the camera is that of the tags that were fitted
+        factor, offset = posed(model[:, :count], seen()[some, :count])
+        off[count] = 1e3 * np.abs(factor * seen()[some] + offset - model)
+    # mean distances [mm]: of the tip, of all tags, and of a tip that was not fitted
+    assert off[9][:, -1].mean() < 0.7
+    assert off[8][:, -1].mean() < 1.8
