@@ -78,6 +78,14 @@ def test_strain_counts_from_the_natural_length(ran: Any) -> None:
     assert "strained by 29%" in told
 
 
+@pytest.mark.parametrize("natural", [-0.5, -0.99, -1.2])
+def test_strain_of_a_rod_that_is_told_to_be_nothing(ran: Any, natural: float) -> None:
+    """Held at its length: of the natural length it would be strained by 100 % to infinity, and back."""
+    driven = [{"type": "stretch", "rod": "rod", "value": ramp(natural)}]
+    (told,) = ran(pulled_rod(0.0, actuation=driven)).outcome.doubts
+    assert f"strained by {-natural:.0%}" in told
+
+
 @pytest.mark.parametrize(("turn", "count"), [(2.0, 2), (1.0, 0)])
 def test_a_joint_that_turns_too_far(ran: Any, turn: float, count: int) -> None:
     """Curvature is driven: 2 tan(turn / 2) over half the length. The stout rod bends tighter than itself."""

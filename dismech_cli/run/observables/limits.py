@@ -81,7 +81,9 @@ def folds(positions: FloatArray, triangles: IntArray, pairs: IntArray) -> FloatA
 
 @dataclass(frozen=True, slots=True)
 class RodStrain:
-    """Change of length of each edge, of its natural length.
+    """Change of length of each edge from its natural length, of the longer of that and the rest length.
+
+    A muscle may be told to be next to nothing long, or less: of that any length would be any strain.
 
     Attributes:
         edges: Shape (K, 2).
@@ -98,8 +100,8 @@ class RodStrain:
     def __call__(self, s: Snapshot) -> FloatArray:
         """Values (K,)."""
         natural = s.natural(self.energy)[0, self.stencils]
-        strain = edge_lengths(s.positions, self.edges) / (self.rest * (1.0 + natural)) - 1.0
-        return np.asarray(np.abs(strain))
+        change = edge_lengths(s.positions, self.edges) - self.rest * (1.0 + natural)
+        return np.asarray(np.abs(change) / (self.rest * np.maximum(1.0 + natural, 1.0)))
 
 
 @dataclass(frozen=True, slots=True)
