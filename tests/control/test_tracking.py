@@ -16,6 +16,7 @@ import dismech_cli
 from dismech_cli import load
 from dismech_cli.compose.compose import compose
 from dismech_cli.control.target import Course
+from dismech_cli.errors import ScenarioError
 from dismech_cli.output.read import read
 from dismech_cli.run.loop import Limits
 from dismech_cli.scenario.load import load_mapping
@@ -269,3 +270,82 @@ def test_a_followed_run_is_kept_with_the_run_that_follows_it(tmp_path: Path, ref
     assert proceed(tmp_path / "out", Pause(None, None, 60.0), Silent()).record.ending.code == 0
     with read(tmp_path / "out") as run:
         assert_array_equal(run.state("q")[-1], straight.state.q)
+
+
+def wound(kind: str, **numerics: Any) -> dict[str, Any]:
+    """A framed helix that is wound and bent, the strain among its probes, every step among its frames."""
+    line = {"shape": "helix", "origin": [0, 0, 0], "axis": [0, 0, -1], "radius": 0.03, "pitch": 0.05}
+    line |= {"turns": 1.0, "handedness": "right", "nodes": 11}
+    section = {"type": "rectangular", "width": 8e-3, "thickness": 4e-3}
+    rod = {"type": "rod", "name": "arm", "material": "m", "generate": line, "section": section}
+    value = {"sine": {"amplitude": 15.0, "frequency": 5.0}}
+    return {
+        "schema_version": 1,
+        "name": "wound",
+        "materials": {"m": {"youngs_modulus": 1e6, "poisson_ratio": 0.4, "density": 1000}},
+        "geometry": [rod],
+        "motions": [{"type": "clamp", "where": "arm.start", "at": "edge"}],
+        "forces": [{"type": "gravity", "acceleration": [0, 0, -9.81]}],
+        "actuation": [{"type": kind, "rod": "arm", "value": value}],
+        "sensors": {"strain": {"strain": kind, "rod": "arm"}},
+        "numerics": {"integrator": {"type": "implicit_euler"}, "dt": 5e-3, "t_end": 0.2} | numerics,
+        "output": {"every": 5e-3, "probes": {"strain": {"sensor": "strain", "measure": "mean"}}},
+    }
+
+
+@pytest.mark.parametrize("kind", ["curvature_1", "curvature_2", "twist", "stretch"])
+def test_a_run_of_a_framed_rod_is_a_target(tmp_path: Path, kind: str) -> None:
+    """Sections are carried from frame to frame as from step to step: the target is what was read."""
+    before = wound(kind)
+    if kind == "stretch":
+        before["actuation"][0]["value"]["sine"]["amplitude"] = 0.1
+        before["output"]["every"] = 0.02  # places alone tell it
+    (tmp_path / "before.yaml").write_text(json.dumps(before))
+    report = dismech_cli.simulate(tmp_path / "before.yaml", out=tmp_path / "before")
+    after = wound(kind)
+    after["actuation"][0]["value"] = {"controlled_by": "wave"}
+    gains = {"type": "pi", "target": {"run": "before"}, "gains": {"p": 0.01}, "period": 5e-3}
+    after["controllers"] = {"wave": gains}
+    (tmp_path / "after.yaml").write_text(json.dumps(after))
+    (loop,) = compose(dismech_cli.load(tmp_path / "after.yaml")).simulation.controls.loops
+    read_then = report.probes["strain"]
+    found = np.array([loop.target(float(t)).mean() for t in report.scalars["t"]])
+    assert np.abs(read_then).max() > 0.01
+    assert_allclose(found, read_then, rtol=0, atol=1e-9 * np.abs(read_then).max())
+
+
+def test_a_run_of_a_shell_with_normals_is_a_target(tmp_path: Path) -> None:
+    before = wound("twist")
+    sheet = {"shape": "sheet", "origin": [0, 0, 0], "length": 0.1, "width": 0.05, "divisions": 2}
+    shell = {"type": "shell", "name": "arm", "material": "m", "thickness": 2e-3, "bending": "midedge"}
+    strain = {"type": "surface_curvature", "shell": "arm", "along": [1, 0, 0]}
+    before["geometry"] = [shell | {"generate": sheet}]
+    before["motions"] = [{"type": "clamp", "where": "arm.left"}]
+    before["actuation"] = [strain | {"value": before["actuation"][0]["value"]}]
+    sensor = {"strain": "surface_curvature", "shell": "arm", "along": [1, 0, 0]}
+    before["sensors"] = {"strain": sensor}
+    (tmp_path / "before.yaml").write_text(json.dumps(before))
+    report = dismech_cli.simulate(tmp_path / "before.yaml", out=tmp_path / "before")
+    gains = {"type": "pi", "target": {"run": "before"}, "gains": {"p": 0.01}, "period": 5e-3}
+    after = before | {"controllers": {"wave": gains}}
+    after["actuation"] = [strain | {"value": {"controlled_by": "wave"}}]
+    (tmp_path / "after.yaml").write_text(json.dumps(after))
+    (loop,) = compose(dismech_cli.load(tmp_path / "after.yaml")).simulation.controls.loops
+    read_then = report.probes["strain"]
+    found = np.array([loop.target(float(t)).mean() for t in report.scalars["t"]])
+    assert np.abs(read_then).max() > 1.0
+    assert_allclose(found, read_then, rtol=0, atol=1e-9 * np.abs(read_then).max())
+
+
+def test_a_run_with_steps_between_its_frames_does_not_tell_how_sections_turned(tmp_path: Path) -> None:
+    before = wound("twist")
+    before["output"]["every"] = 0.02
+    (tmp_path / "before.yaml").write_text(json.dumps(before))
+    dismech_cli.simulate(tmp_path / "before.yaml", out=tmp_path / "before")
+    after = wound("twist")
+    after["actuation"][0]["value"] = {"controlled_by": "wave"}
+    gains = {"type": "pi", "target": {"run": "before"}, "gains": {"p": 0.01}, "period": 5e-3}
+    after["controllers"] = {"wave": gains}
+    (tmp_path / "after.yaml").write_text(json.dumps(after))
+    with pytest.raises(ScenarioError, match=r"steps of 0\.005 s and frames at 0 s and 0\.02 s"):
+        compose(dismech_cli.load(tmp_path / "after.yaml"))

@@ -23,6 +23,11 @@ from ..structure.structure import Structure
 from .springs import Springs
 
 _TIMES: Final = 0
+# Strains that are read from places of nodes alone, whatever sections do.
+_OF_PLACES: Final = ("stretch", "dihedral")
+# A shape is that at rest to within this share of its size; times are the same to within this of the last.
+_AT_REST: Final = 1e-9
+_SAME: Final = 1e-9
 
 
 def make_target(
@@ -102,19 +107,47 @@ def _of_table(scene: Scene, springs: Springs, file: control.EachFile, path: KeyP
 
 
 def _of_run(scene: Scene, structure: Structure, springs: Springs, folder: str, path: KeyPath) -> Target:
-    """Strains in the frames of another run of the same bodies."""
-    if structure.dofs.n_angles or structure.dofs.n_normals:
-        raise scene.error(
-            path,
-            "frames of a run do not tell how cross-sections and mid-edge normals turned; it must be planar, "
-            "or of shells with hinges: else take a table with 'each'",
-        )
+    """Strains in the frames of another run of the same bodies.
+
+    Where these are read from cross-sections or mid-edge normals that turn, these are carried from frame to
+    frame as the run carried them from step to step.
+    """
+    turning = structure.frames.turning and springs.what[0] not in _OF_PLACES
     try:
         times, states = frames_of(scene.loaded.directory / folder, structure.dofs.n)
+        if turning:
+            _refuse_gaps(scene.loaded.directory / folder)
     except DismechError as error:
         raise scene.error(path, str(error)) from error
-    values = np.stack([_strains(structure, springs, float(t), q) for t, q in zip(times, states, strict=True)])
-    return Course.of(times, _finite(scene, values, path), "cubic")
+    rest = structure.rest
+    if turning and np.abs(states[0] - rest).max() > _AT_REST * np.ptp(rest):
+        raise scene.error(path, "starts from another shape than that at rest: how sections turned is unknown")
+    values, frames, nothing = [], structure.frames.rest(rest), np.zeros_like(rest)
+    with np.errstate(all="ignore"):
+        for t, q in zip(times, states, strict=True):
+            frames = structure.frames.transport(frames, q).state
+            values.append(springs.reading(State(float(t), q, nothing, nothing, frames)))
+    return Course.of(times, _finite(scene, np.stack(values), path), "cubic")
+
+
+def _refuse_gaps(path: Path) -> None:
+    """Refuse a run that has steps between its frames: sections turned on a way that these do not tell.
+
+    Raises:
+        ScenarioError: naming the first gap.
+    """
+    if not path.is_dir():  # what was kept of one that had none
+        return
+    with read(path) as run:
+        times, steps = np.array(run.t), run.scalars["dt"]
+    gaps = np.flatnonzero(np.abs(np.diff(times) - steps[1:]) > _SAME * times[-1])
+    if gaps.size:
+        k = int(gaps[0])
+        raise ScenarioError(
+            f"has steps of {steps[k + 1]:.4g} s and frames at {times[k]:.6g} s and {times[k + 1]:.6g} s: how "
+            "cross-sections and mid-edge normals turned between them is not told. Let it write every step, "
+            "'output.every', or take a table with 'each'"
+        )
 
 
 def frames_of(path: Path, n: int) -> tuple[FloatArray, FloatArray]:
