@@ -11,6 +11,7 @@ import numpy as np
 from ..arrays import FloatArray, IntArray
 from ..model.term import Memory
 from .candidates import among
+from .levels import from_here_on, of_next, shared
 from .placed import Placed
 from .search import MARGIN, Search
 from .source import Depths
@@ -31,31 +32,29 @@ class Rows:
     Attributes:
         directed: Line and what it faces, shape (2 P, 2): all pairs one way, then the other.
         segments: Nodes of the line and of the segment, shape (2 P, 4).
-        corners: Nodes of a line and a vertex where two segments that it faces may meet, shape (V, 3).
-        corner_line: The line, shape (V,).
+        corners: Nodes of a line and a vertex where two segments that it faces may meet, once for each level
+            of their reach, shape (V, 3).
         meeting: Of which corner each end of the segments is one side, -1 if of none, shape (2 P, 2).
+        until: Where the levels of each corner end, which ascend, shape (V,).
     """
 
     directed: IntArray
     segments: IntArray
     corners: IntArray
-    corner_line: IntArray
     meeting: IntArray
+    until: IntArray
 
     @classmethod
-    def of(cls, nodes: IntArray, pairs: IntArray) -> Rows:
-        """Of pairs (P, 2) of lines with nodes (E, 2)."""
+    def of(cls, nodes: IntArray, pairs: IntArray, reach: FloatArray) -> Rows:
+        """Of pairs (P, 2) of lines with nodes (E, 2) that touch at some distances (P,) [m]."""
         directed = np.concatenate((pairs, pairs[:, ::-1]))
         segments = nodes[directed].reshape(-1, 4)
         count = int(nodes.max(initial=0)) + 1
-        key = directed[:, :1] * count + segments[:, 2:]
-        every, of, times = np.unique(key, return_inverse=True, return_counts=True)
-        of = of.reshape(key.shape)
-        double = times >= 2
-        place = np.where(double, np.cumsum(double) - 1, -1)
-        line, vertex = np.divmod(every[double], count)
-        corners = np.concatenate((nodes[line], vertex[:, None]), axis=1)
-        return cls(directed, segments, corners, line, place[of])
+        _, levels = np.unique(reach, return_inverse=True)
+        meeting, first, until = shared(directed[:, :1] * count + segments[:, 2:], np.tile(levels, 2))
+        of, end = np.divmod(first, 2)
+        corners = np.column_stack((segments[of, :2], segments[of, 2 + end]))
+        return cls(directed, segments, corners, meeting, until)
 
 
 class RodPairs:
@@ -91,15 +90,17 @@ class RodPairs:
         reach, stiff = self._reach, self._stiff
         yield self._touching(0, both, both, reach[both], factor * stiff[both], x, v)
         met = rows.meeting[both].reshape(-1)
-        sides = np.bincount(met[met >= 0], minlength=len(rows.corners))
-        corners = np.flatnonzero(sides >= 2)
+        sides = from_here_on(np.bincount(met[met >= 0], minlength=len(rows.corners)), rows.until)
+        over = np.maximum(sides - 1, 0)
+        over = over - of_next(over, rows.until)
+        corners = np.flatnonzero(over)
         if not len(corners):
             return
-        # of the segments that meet there any has the reach and the stiffness: the last does
+        # of the segments that meet there at a level any has its reach and stiffness: the last does
         last = np.zeros(len(rows.corners), dtype=np.int64)
         last[met[met >= 0]] = np.repeat(both, 2)[met >= 0]
         own = last[corners]
-        scale = -(sides[corners] - 1.0) * stiff[own]
+        scale = -over[corners] * stiff[own]
         yield self._touching(1, corners, own, reach[own], factor * scale, x, v)
 
     def velocities(self, touching: Touching, x: FloatArray, v: FloatArray, t: float) -> FloatArray:
@@ -157,10 +158,10 @@ class RodPairs:
         """What pairs with these keys touch with."""
         every, lines = self._all, self._all.lines
         pairs = every.pairs(keys)
-        rows = Rows.of(lines.nodes, pairs)
-        self._rows = rows
+        touch = every.reach(pairs)
+        self._rows = rows = Rows.of(lines.nodes, pairs, touch)
         self._stencils = (Stencils(every.map, rows.segments), Stencils(every.map, rows.corners))
-        self._reach = np.tile(every.reach(pairs), 2)
+        self._reach = np.tile(touch, 2)
         self._stiff = every.factors(rows.directed)
         first, second = lines.bodies[rows.directed].T
         self._friction = every.friction[first, second]

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
+from .levels import from_here_on, of_next, shared
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,8 +72,8 @@ class Junctions:
         count = int(triangles.max(initial=0)) + 1
         following = np.roll(triangles, -1, axis=1)
         low, high = np.minimum(triangles, following), np.maximum(triangles, following)
-        corners_of, corner, corners_until = _shared(numbers[:, None] * count + triangles, levels)
-        sides_of, side, sides_until = _shared((numbers[:, None] * count + low) * count + high, levels)
+        corners_of, corner, corners_until = shared(numbers[:, None] * count + triangles, levels)
+        sides_of, side, sides_until = shared((numbers[:, None] * count + low) * count + high, levels)
         (pair, k), (whose, at) = np.divmod(side, 3), np.divmod(corner, 3)
         ends = np.column_stack((corners_of[pair, k], corners_of[pair, (k + 1) % 3]))
         ends = np.where((triangles[pair, k] == low[pair, k])[:, None], ends, ends[:, ::-1])
@@ -91,11 +92,11 @@ class Junctions:
         of_side, of_corner = self.sides_of[rows], self.corners_of[rows]
         m = np.bincount(of_side[of_side >= 0], minlength=len(self.sides))
         n = np.bincount(of_corner[of_corner >= 0], minlength=len(self.corners))
-        over = np.maximum(_from_here_on(m, self.sides_until) - 1, 0)
+        over = np.maximum(from_here_on(m, self.sides_until) - 1, 0)
         # a layer without that of the next one, which is felt farther away
-        over = over - _of_next(over, self.sides_until)
+        over = over - of_next(over, self.sides_until)
         off = np.bincount(self.ends.reshape(-1), weights=np.repeat(over, 2), minlength=len(self.corners))
-        thickest = (n > 0) & (_of_next(_from_here_on(n, self.corners_until), self.corners_until) == 0)
+        thickest = (n > 0) & (of_next(from_here_on(n, self.corners_until), self.corners_until) == 0)
         left = np.where(thickest, 1.0, 0.0) - n + off
         return -over.astype(np.float64), left.astype(np.float64)
 
@@ -161,45 +162,4 @@ def owners(of: IntArray, rows: IntArray, count: int) -> IntArray:
     out = np.zeros(count, dtype=np.int64)
     found = of[rows]
     out[found[found >= 0]] = np.repeat(rows, 3)[found.reshape(-1) >= 0]
-    return out
-
-
-def _shared(keys: IntArray, levels: IntArray) -> tuple[IntArray, IntArray, IntArray]:
-    """What comes twice or more among keys (P, 3) of pairs at some levels (P,), each once for every level.
-
-    Returns:
-        Their numbers, else -1, shape (P, 3); of each where in ``keys`` it comes first, and where the levels
-        of its key end, shapes (K,).
-    """
-    depth = int(levels.max(initial=0)) + 1
-    if depth > 1:
-        # as small as may be, so that a level fits beside it
-        _, ranks = np.unique(keys, return_inverse=True)
-        keys = ranks.reshape(keys.shape) * depth + levels[:, None]
-    every, first, of, times = np.unique(
-        keys.reshape(-1), return_index=True, return_inverse=True, return_counts=True
-    )
-    # ascending: levels of a key are neighbours
-    key = every // depth
-    begins = np.append(True, key[1:] != key[:-1])[: len(key)]
-    group = np.cumsum(begins) - 1
-    until = np.append(np.flatnonzero(begins), len(key))[group + 1]
-    double = np.bincount(group, times)[group] >= 2
-    place = np.where(double, np.cumsum(double) - 1, -1)
-    kept = np.flatnonzero(double)
-    ends = np.append(0, np.cumsum(double))[until[kept]]
-    return place[of.reshape(keys.shape)], first[kept], ends
-
-
-def _from_here_on(values: IntArray, until: IntArray) -> IntArray:
-    """Sums of values (K,) over each level and those above it."""
-    sums = np.append(np.cumsum(values[::-1])[::-1], 0)
-    out: IntArray = sums[:-1] - sums[until]
-    return out
-
-
-def _of_next(values: IntArray, until: IntArray) -> IntArray:
-    """The value (K,) of the next level of each, 0 where there is none."""
-    following = np.arange(1, len(values) + 1)
-    out: IntArray = np.where(following < until, np.append(values, 0)[following], 0)
     return out

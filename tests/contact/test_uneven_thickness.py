@@ -49,7 +49,7 @@ class Sliding:
     def __init__(self, scene: dict[str, Any], driver: type[Driver] = NumpyDriver) -> None:
         self.model = simulate(scene, limits=Limits(until=0.0)).composition.simulation.model
         contact = self.model.changing[0]
-        self.stiffness = contact.faces.stiffness[1, 0]
+        self.contact = contact
         self.contacts = contact.start(driver())
         self.normal = self.contacts.terms[0]
         along = np.zeros_like(self.model.rest)
@@ -106,7 +106,7 @@ def test_a_wedge_presses_as_its_thickness_at_each_place_asks_for() -> None:
     for way in (0.0, 0.011, 0.027):
         # where the rod is 0.3 mm deep, the rim of what is thicker reaches sqrt(H^2 - d^2) = 1 mm downhill:
         # there the half thickness is up to 2.5 um more, and the energy 2 * 2.5 / 300 = 1.7 %
-        assert_allclose(sliding.energy(way) / sliding.stiffness, expected(way), rtol=0.02)
+        assert_allclose(sliding.energy(way) / sliding.contact.faces.stiffness[1, 0], expected(way), rtol=0.02)
 
 
 def test_layers_are_what_junctions_count() -> None:
@@ -136,3 +136,44 @@ def test_layers_are_what_junctions_count() -> None:
     some = np.array([1, 3, 4, 5])
     _, corners = junctions.coefficients(some)
     assert times(corners, junctions.corners, (0,), junctions.corners_of) == {0: 0.0, 1: 1.0, 2: -2.0}
+
+
+def tapered(radius: Any) -> dict[str, Any]:
+    """A rod that lies along another, whose radius varies."""
+    other = {"shape": "line", "from": [0, 0, 0], "to": [LONG, 0, 0], "nodes": 17}
+    rod = {"shape": "line", "from": [0.02, 2e-4, 2.6e-3], "to": [0.12, -3e-4, 2.6e-3], "nodes": 8}
+    return {
+        "schema_version": 1,
+        "name": "tapered",
+        "materials": {"m": {"youngs_modulus": 1e6, "poisson_ratio": 0.3, "density": 1000.0}},
+        "geometry": [
+            {"type": "rod", "name": "arm", "material": "m", "radius": radius, "generate": other},
+            {"type": "rod", "name": "rod", "material": "m", "radius": RADIUS, "generate": rod},
+        ],
+        "contact": {"pairs": [{"between": ["arm", "rod"]}]},
+        "numerics": {"dt": 1e-3, "t_end": 1e-3},
+    }
+
+
+@pytest.mark.parametrize("driver", [NumpyDriver, NumbaDriver])
+@pytest.mark.parametrize(
+    "radius",
+    [
+        {"of": "x", "table": [[0, 2.2e-3], [LONG, 1.4e-3]]},
+        {"expression": "1.9e-3 + 0.4e-3*sin(150*x)"},
+    ],
+)
+def test_rods_whose_radius_varies(driver: type[NumpyDriver | NumbaDriver], radius: Any) -> None:
+    """Thin parts feel the end of thick ones beside them; the energy nowhere jumps."""
+    sliding = Sliding(tapered(radius), driver)
+    ways = np.linspace(0.0, 0.03, 121)
+    energies = np.array([sliding.energy(way) for way in ways])
+    works = np.array(
+        [
+            (b - a) / 6.0 * (sliding.force(a) + 4.0 * sliding.force(0.5 * (a + b)) + sliding.force(b))
+            for a, b in pairwise(ways.tolist())
+        ]
+    )
+    scale = np.abs(energies).max()
+    assert scale > 0.0
+    assert_allclose(np.diff(energies), works, atol=1e-4 * scale)
