@@ -126,10 +126,15 @@ class Batches:
         return boxes_apart(x, more, nodes)
 
     def look(self, x: FloatArray, nodes: IntArray, limit: FloatArray) -> Cut:
-        """Lines and triangles that are nearer than a limit, by their boxes at least."""
+        """Lines and triangles that are nearer than a limit."""
         kept = np.flatnonzero(boxes_apart(x, x, nodes) < limit)
         pieces, feature = face_pieces(x, nodes[kept])
-        return Cut(x, kept, pieces.nearest(len(kept)), pieces, feature)
+        distance = pieces.nearest(len(kept))
+        near = distance < limit[kept]
+        some = np.flatnonzero(near[pieces.item])
+        pieces = pieces.some(some)
+        pieces = replace(pieces, item=(np.cumsum(near) - 1)[pieces.item])
+        return Cut(x, kept[near], distance[near], pieces, feature[some])
 
     def face_distances(self, x: FloatArray, nodes: IntArray) -> FloatArray:
         """Distances of lines from triangles."""

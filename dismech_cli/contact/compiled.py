@@ -85,7 +85,7 @@ class Compiled:
         return out
 
     def look(self, x: FloatArray, nodes: IntArray, limit: FloatArray) -> Measured:
-        """Lines and triangles that are nearer than a limit, by their boxes at least."""
+        """Lines and triangles that are nearer than a limit."""
         out = np.empty(len(nodes))
         self.to_faces(x, nodes, limit, out)
         kept = np.flatnonzero(np.isfinite(out))

@@ -164,6 +164,19 @@ def boxes_apart(x: FloatArray, more: FloatArray, nodes: IntArray, out: FloatArra
 
 
 @loop
+def _beyond(pair: FloatArray, limit: float) -> bool:
+    """Whether a line is beyond a limit [m] outside of a side of its triangle, or on one side of its plane."""
+    for i in range(3):
+        high = max(pair[_H0, i], pair[_H0, i] + pair[_H1, i])
+        inward = _row(pair, _INWARD + i)
+        if high < 0.0 and high * high > limit * limit * dot(inward, inward):
+            return True
+    one = dot(_row(pair, _NORMAL), _row(pair, _OFFSET))
+    other = one + dot(_row(pair, _NORMAL), _row(pair, _LINE))
+    return bool(min(abs(one), abs(other)) > limit and one * other > 0.0)
+
+
+@loop
 def cut_distance(pair: FloatArray, cuts: FloatArray, pieces: FloatArray) -> float:
     """Distance of the line of a pair from its triangle, whose pieces are written on the way."""
     best = np.inf
@@ -183,14 +196,17 @@ def face_distances(x: FloatArray, nodes: IntArray, limit: FloatArray, out: Float
         x: Nodes [m], shape (N, 3).
         nodes: Of lines and triangles, shape (P, 5).
         limit: What is this far away need not be measured [m], shape (P,).
-        out: Distances [m], infinite where boxes are beyond the limit, shape (P,).
+        out: Distances [m], infinite where they are no less than the limit, shape (P,).
     """
     pair, cuts, pieces = np.empty((PAIR_ROWS, 3)), np.empty(11), np.empty((MOST_PIECES, 9))
     for k in range(len(out)):
         out[k] = np.inf
         if _apart(x, x, nodes, k) < limit[k] * limit[k]:
             lay_pair(x, nodes, k, pair)
-            out[k] = cut_distance(pair, cuts, pieces)
+            if not _beyond(pair, limit[k]):
+                distance = cut_distance(pair, cuts, pieces)
+                if distance < limit[k]:
+                    out[k] = distance
 
 
 @loop

@@ -103,7 +103,7 @@ class Loops(Protocol):
         """Distances of the boxes of lines and triangles, nodes (P, 5), at two places of the nodes [m]."""
 
     def look(self, x: FloatArray, nodes: IntArray, limit: FloatArray) -> Near:
-        """Lines and triangles, nodes (P, 5), nearer than a limit (P,) [m], by their boxes at least."""
+        """Lines and triangles, nodes (P, 5), nearer than a limit (P,) [m]."""
 
     def face_distances(self, x: FloatArray, nodes: IntArray) -> FloatArray:
         """Distances of lines from triangles, nodes (P, 5) [m], shape (P,)."""

@@ -16,7 +16,7 @@ from .placed import Placed
 from .source import Depths
 from .stencils import Stencils
 from .stiffness import impact_force
-from .surface_search import MARGIN, Candidates, FaceSearch
+from .surface_search import MARGIN, Candidates, FaceSearch, Seen
 from .touching import Touching
 
 LISTED: Final = "contact.faces"
@@ -35,6 +35,7 @@ class SurfacePairs:
     def __init__(self, search: FaceSearch) -> None:
         """Find none yet."""
         self._all, self._loops, self._search = search.faces, search.loops, search
+        self._known: tuple[IntArray, IntArray, IntArray] | None = None
         self._placed = Placed(LISTED, self._lay_out)
 
     def recall(self, memory: Memory) -> None:
@@ -48,15 +49,17 @@ class SurfacePairs:
     def detect(self, x: FloatArray) -> bool:
         """Give places to all pairs nearby if one that touches has none."""
         seen = self._search.look(x)
-        return self._placed.detect(seen.within(0.0), lambda: seen.within(MARGIN))
+        touching = np.flatnonzero(seen.distance < seen.reach)
+        without = touching[self._rows(seen)[touching] < 0]
+        return self._placed.detect(seen.keys[without], lambda: seen.within(MARGIN))
 
     def touching(self, x: FloatArray, v: FloatArray, t: float, factor: float) -> Iterator[Touching]:
         """Lines against triangles, and what sides and corners of these count too much."""
         facing = self._facing
         seen = self._search.look(x)
-        placed = facing.keys
-        which = np.flatnonzero((seen.distance < seen.reach) & among(seen.keys, placed))
-        rows = np.searchsorted(placed, seen.keys[which])
+        rows = self._rows(seen)
+        which = np.flatnonzero((seen.distance < seen.reach) & (rows >= 0))
+        rows = rows[which]
         scale = factor * self._scale[rows]
         for kind, points, owner in facing.points(seen.near, which, rows, seen.reach[which], scale):
             stencils = self._stencils[kind]
@@ -132,6 +135,14 @@ class SurfacePairs:
             return 1.0
         found = Candidates.of(self._all, keys)
         return self._loops.safe_way(x0, x1 - x0, found.nodes, np.zeros(len(keys)), _NEAREST * found.reach)
+
+    def _rows(self, seen: Seen) -> IntArray:
+        """Which of the pairs that have places those seen are, -1 if none, shape (P,)."""
+        candidates, placed = self._search.candidates.keys, self._placed.keys
+        if self._known is None or self._known[0] is not candidates or self._known[1] is not placed:
+            rows = np.where(among(candidates, placed), np.searchsorted(placed, candidates), -1)
+            self._known = candidates, placed, rows
+        return np.asarray(self._known[2][seen.near.kept])
 
     def _lay_out(self, keys: IntArray) -> None:
         """What pairs with these keys touch with."""

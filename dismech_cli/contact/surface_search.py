@@ -52,23 +52,15 @@ class Seen:
 
     Attributes:
         x: The nodes [m], shape (N, 3).
-        pairs: They, P of them.
-        near: What was measured of them.
+        keys: Of the pairs, ascending, shape (P,).
+        reach: Distance at which they touch [m], shape (P,).
+        near: What was measured of them; what it kept are candidates.
     """
 
     x: FloatArray
-    pairs: Candidates
+    keys: IntArray
+    reach: FloatArray
     near: Near
-
-    @property
-    def keys(self) -> IntArray:
-        """Of the pairs, ascending, shape (P,)."""
-        return self.pairs.keys
-
-    @property
-    def reach(self) -> FloatArray:
-        """Distance at which they touch [m], shape (P,)."""
-        return self.pairs.reach
 
     @property
     def distance(self) -> FloatArray:
@@ -114,7 +106,7 @@ class FaceSearch:
             x = x.copy()
             every = self.candidates
             near = self.loops.look(x, every.nodes, (1.0 + MARGIN) * every.reach)
-            self._seen = Seen(x, every.some(near.kept), near)
+            self._seen = Seen(x, every.keys[near.kept], every.reach[near.kept], near)
         return self._seen
 
     def closer(self, x: FloatArray, share: float) -> IntArray:
