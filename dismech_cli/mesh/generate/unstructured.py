@@ -16,6 +16,7 @@ _APART = 0.75  # Least distance of the random points, in edge lengths: gives edg
 _CANDIDATES = 30  # Per unit area; about ten times as many as fit.
 _SWEEPS = 8
 _SEEDS = 8
+_ALL_SEEDS = 40_000  # Nodes of all of them: large sheets always have a bad angle somewhere, and take long.
 _GOOD_ANGLE = 25.0
 
 
@@ -23,9 +24,9 @@ def unstructured_sheet(length: float, width: float, divisions: int) -> tuple[Flo
     """Triangulate 0 <= x <= length, 0 <= y <= width with edges of about length / divisions.
 
     The boundary points are evenly spaced and stay put. Inner points are random, a fixed distance
-    apart, and move a few times to the mean of their Delaunay neighbours. Of a few fixed seeds the
-    first whose smallest angle exceeds 25 degrees is taken, else the best. The same input always
-    gives the same mesh.
+    apart, and move a few times to the mean of their Delaunay neighbours. Of a few fixed seeds, the
+    fewer the larger the sheet, the first whose smallest angle exceeds 25 degrees is taken, else the
+    best. The same input always gives the same mesh.
 
     Args:
         length: Size along x [m].
@@ -41,11 +42,12 @@ def unstructured_sheet(length: float, width: float, divisions: int) -> tuple[Flo
     # Lengths in edge lengths, so that the numbers below are pure.
     size = np.array([float(divisions), width / length * divisions])
     rows = max(1, round(size[1]))
-    if size.prod() + 2 * (divisions + rows) > MAX_NODES:
+    count = size.prod() + 2 * (divisions + rows)
+    if count > MAX_NODES:
         raise MeshError(f"sheet: over {MAX_NODES} unstructured nodes; make such a mesh with gmsh")
     border = _border(divisions, rows, size)
     best = -1.0
-    for seed in range(_SEEDS):
+    for seed in range(max(1, min(_SEEDS, int(_ALL_SEEDS / count)))):
         inner = _scatter(size, border, np.random.default_rng(seed))
         candidate, faces = _relax(border, inner)
         angle = smallest_angle(np.column_stack([candidate, np.zeros(len(candidate))]), faces)
