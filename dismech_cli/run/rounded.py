@@ -33,7 +33,11 @@ def rounded_away(system: System, start: State, end: State) -> bool:
     """
     stage, free = at_state(end), system.pattern.free
     floor = system.round_off(system.linearize(stage, end.q, end.frames).values, end.q)
-    load = system.residual(stage, start.q, start.frames)[free]
+    # what is held is where it ends: moving it is a load too
+    held = end.q.copy()
+    held[free] = start.q[free]
+    with np.errstate(all="ignore"):  # which may crush what is beside it: no small load
+        load = system.residual(stage, held, start.frames)[free]
     if not floor > float(np.linalg.norm(load)) > 0.0:
         return False
     way = np.zeros_like(end.q)

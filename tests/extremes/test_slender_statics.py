@@ -8,6 +8,7 @@ import pytest
 from decks import attempt, given_section, line, rod_deck, tip
 from shell_decks import shell_deck
 
+from dismech_cli import simulate
 from dismech_cli.run.loop import End
 
 LOAD = 0.005  # times E h^3/(12 L^2) per width, or E I/L^2: the tip moves by about L/600
@@ -86,3 +87,9 @@ def test_a_rod_that_hangs_needs_no_bending(tmp_path: Path) -> None:
     result = attempt(tmp_path, deck)
     assert result.outcome.end is End.DONE
     assert tip(result)[2] + 1.0 == pytest.approx(-5e-4, rel=1e-3)
+
+
+def test_what_is_driven_is_not_lost_in_rounding() -> None:
+    """A motion is a load too: the ends of this rod turn and come closer, and next to nothing else acts."""
+    file = Path(__file__).parents[2] / "scenarios" / "verification" / "localised_helix_static.yaml"
+    simulate(file).raise_for_status()
