@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from passing import passed
 
 import dismech_cli
 from dismech_cli.arrays import FloatArray, IntArray
@@ -49,6 +50,84 @@ def test_nothing_is_deeper_than_the_tolerance(name: str, tolerance: float) -> No
     assert least.min() < 1.02
     # the samples are no nearer than the lines, and off by their spacing squared
     assert least.min() >= 1.0 - tolerance - 1e-9
+
+
+TOUCHING = [
+    "capstan",
+    "crossed_rods",
+    "curl_grip",
+    "draped_cloth",
+    "draped_rope",
+    "entanglement_gripper",
+    "flagella",
+    "folded_cloth",
+    "gait",
+    "heavy_fold",
+    "jellyfish_touch",
+    "overhand_knot",
+    "pushed_bowl",
+    "rectangular_fold",
+    "rod_on_sheet",
+    "slinky",
+    "spider",
+    "stacked_rods",
+    "two_sheets",
+]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", TOUCHING)
+def test_nothing_passes_through_anything(name: str) -> None:
+    """Neither at a step nor on the way from one to the next, by roots of cubics."""
+    loaded = dismech_cli.load(FOLDER / f"{name}.yaml")
+    step = loaded.scenario.numerics.dt
+    report = dismech_cli.simulate(FOLDER / f"{name}.yaml", overrides=[f"output.every={step} s", "expect={}"])
+    assert report.exit == 0
+    assert len(report.frames) == len(report.composition.simulation.control.grid)
+    assert passed(report) == []
+
+
+def test_rod_drop_touches_in_time() -> None:
+    report = dismech_cli.simulate(
+        FOLDER / "rod_drop.yaml", overrides=["output.every=0.5 ms", "numerics.t_end=0.101 s", "expect={}"]
+    )
+    first = report.scalars["t"][np.flatnonzero(report.scalars["load"])[0]]
+    assert 0.0989 <= first <= 0.1000 + 1e-9
+
+
+@pytest.mark.slow
+def test_sheets_lie_on_each_other() -> None:
+    report = dismech_cli.simulate(FOLDER / "two_sheets.yaml")
+    height, body = report.frames[-1].positions[:, 2], nodes_of(report)
+    apart = height[body == 1].mean() - height[body == 0].mean()
+    assert 1.0 - 0.05 <= apart / 1e-3 <= 3.0
+
+
+def nodes_of(report: dismech_cli.Report) -> IntArray:
+    """The shell that each node belongs to, shape (N,)."""
+    topology = report.composition.simulation.topology
+    body = np.zeros(len(topology.rest_positions), dtype=np.int64)
+    body[topology.triangles] = topology.triangle_body[:, None]
+    return body
+
+
+@pytest.mark.slow
+def test_folded_cloth_stays_symmetric_and_keeps_its_area() -> None:
+    report = dismech_cli.simulate(FOLDER / "folded_cloth.yaml", overrides=["expect={}"])
+    topology = report.composition.simulation.topology
+    mirrored = mirror_images(topology.rest_positions)
+    assert np.array_equal(mirrored[mirrored], np.arange(len(mirrored)))
+    whole = area(topology.rest_positions, topology.triangles)
+    for frame in report.frames:
+        x = frame.positions
+        assert np.abs(x[mirrored] * [1.0, -1.0, 1.0] - x).max() < 1e-6 * 0.2
+        assert abs(area(x, topology.triangles) / whole - 1.0) < 0.01
+
+
+def area(x: FloatArray, triangles: IntArray) -> float:
+    """Of all triangles [m^2]."""
+    a, b, c = x[triangles].transpose(1, 0, 2)
+    return float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2.0)
 
 
 @pytest.mark.slow
