@@ -27,6 +27,7 @@ from dismech_cli.scenario.load import LoadedScenario
 from dismech_cli.sections.shells import hinge_stiffness
 from dismech_cli.session.report import Report
 from dismech_cli.solve.tangents import TANGENTS
+from dismech_cli.studies.study.space import with_study
 from dismech_cli.studies.sweep.axes import rows
 
 Choice = tuple[str, str]
@@ -498,6 +499,18 @@ SAMPLE = Rare(
     steps=draws_three,
 )
 
+
+def measures_from_the_finest(loaded: LoadedScenario, result: Report) -> None:
+    assert with_study(loaded).reference == "finest"
+
+
+FINEST = Rare(
+    rod_deck(line(4), numerics=SHORT, study={"reference": "finest", "target": 0.01}),
+    lambda made: None,
+    choices=frozenset({("reference", "finest")}),
+    steps=measures_from_the_finest,
+)
+
 CONTROL = {
     "sensors": Rare(
         SENSORS,
@@ -591,6 +604,7 @@ RARE: dict[str, Rare] = {
     "positions": POSITIONS,
     "displacement": DISPLACEMENT,
     "sample": SAMPLE,
+    "finest": FINEST,
 }
 
 
