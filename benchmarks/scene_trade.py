@@ -29,6 +29,9 @@ from dismech_cli.studies.sweep.points import Base
 ROOT: Final = Path(__file__).parents[1]
 SCENARIOS: Final = ROOT / "scenarios"
 FOLDER: Final = SCENARIOS / "trade"
+README: Final = SCENARIOS / "README.md"
+BEGIN, END = "<!-- python -m benchmarks scene_trade --tell -->", "<!-- end -->"
+PROFILES: Final = ("draft", "accurate")
 OTHER: Final = "tr_bdf2"
 # The largest errors of a draft and of an accurate run.
 DRAFT, ACCURATE = 0.1, 0.01
@@ -76,8 +79,7 @@ class Trade:
     @property
     def draft(self) -> Run:
         """The cheapest run that is good enough for a draft, and with half its step too; else the scene."""
-        allowed = max(DRAFT, self.normal.error or 0.0)
-        found = self._cheapest(allowed)
+        found = self._cheapest(DRAFT)
         return found if found is not None and _price(found) <= _CHEAPER * _price(self.normal) else self.normal
 
     @property
@@ -98,13 +100,12 @@ class Trade:
         return all(one.error is not None and one.error <= allowed for one in finer)
 
     def profile(self, run: Run) -> dict[str, object]:
-        """What a profile sets for a run."""
-        numerics: dict[str, object] = {}
-        if run.integrator != self.integrator:
-            numerics["integrator"] = {"type": run.integrator}
-        if run.factor != 1.0:
-            numerics["dt"] = f"{1e3 * self.dt * run.factor:.6g} ms"
-        return {"numerics": numerics} if numerics else {}
+        """What a profile sets for a run: all, since a scene that includes another has its profiles too."""
+        return {"numerics": {"integrator": {"type": run.integrator}, "dt": self.step(run)}}
+
+    def step(self, run: Run) -> str:
+        """Its time step, as scenes write it."""
+        return f"{1e3 * self.dt * run.factor:.6g} ms"
 
 
 def _price(run: Run) -> float:
@@ -186,8 +187,71 @@ def write(trade: Trade, file: Path) -> None:
     file.write_text(f'{{{head},\n"runs": [\n{lines}\n]}}\n', encoding="utf-8")
 
 
+def told(trade: Trade) -> str:
+    """The section ``profiles`` of a scene."""
+    runs = {"draft": trade.draft, "as written": trade.normal, "accurate": trade.accurate}
+    parts = (f"{name} {_share(run.error)} in {_seconds(run.cpu)}" for name, run in runs.items())
+    lines = [
+        "profiles:",
+        f"  # trade/{data_file(Path(trade.scene)).name}, error of the shape and CPU time:",
+        f"  # {', '.join(parts)}.",
+    ]
+    for name in PROFILES:
+        run = runs[name]
+        inner = f"integrator: {{type: {run.integrator}}}, dt: {trade.step(run)}"
+        lines.append(f"  {name}: {{numerics: {{{inner}}}}}")
+    return "\n".join(lines) + "\n"
+
+
+def with_profiles(text: str, section: str) -> str:
+    """A scene whose section ``profiles`` is another; it goes before the output."""
+    text = re.sub(r"^profiles:\n(?:[ #].*\n|\n(?=[ #]))*\n?", "", text, flags=re.MULTILINE)
+    found = re.search(r"^(?:output|expect):", text, flags=re.MULTILINE)
+    place = found.start() if found else len(text)
+    return f"{text[:place]}{section}\n{text[place:]}"
+
+
+def gallery() -> str:
+    """The table of all scenes that were studied."""
+    rows = []
+    for file in sorted(FOLDER.glob("*.json")):
+        trade = read(file)
+        cells = (_cell(trade, run) for run in (trade.draft, trade.normal, trade.accurate))
+        rows.append(f"| `{file.stem}` | {' | '.join(cells)} |")
+    head = "| scene | draft | as written | accurate |\n|---|---|---|---|\n"
+    return head + "\n".join(rows) + "\n"
+
+
+def _cell(trade: Trade, run: Run) -> str:
+    setting = f"{run.integrator}, {1e3 * trade.dt * run.factor:.4g} ms"
+    return f"{setting}: {_share(run.error)}, {_seconds(run.cpu)}"
+
+
+def _share(error: float | None) -> str:
+    return "unknown" if error is None else f"{100.0 * error:.2g} %"
+
+
+def _seconds(cpu: float | None) -> str:
+    return "unknown" if cpu is None else f"{cpu:.2g} s"
+
+
+def tell() -> None:
+    """Write profiles and the table."""
+    for file in sorted(FOLDER.glob("*.json")):
+        trade = read(file)
+        scene = SCENARIOS / trade.scene
+        scene.write_text(with_profiles(scene.read_text(encoding="utf-8"), told(trade)), encoding="utf-8")
+    page = README.read_text(encoding="utf-8")
+    before, _, rest = page.partition(BEGIN)
+    after = rest.partition(END)[2]
+    README.write_text(f"{before}{BEGIN}\n{gallery()}{END}{after}", encoding="utf-8")
+
+
 def main(names: Sequence[str]) -> None:
     """Study scenes, or tell what was learned."""
+    if list(names) == ["--tell"]:
+        tell()
+        return
     known = {scene.stem: scene for scene in scenes()}
     for scene in [known[name] for name in names] or known.values():
         try:

@@ -23,4 +23,6 @@ def test_a_draft_is_cheaper_than_the_scene(path: Path) -> None:
     shipped, draft = simulate(path), simulate(path, profile="draft")
     assert draft.outcome.end is End.DONE, draft.message
     assert not [doubt for doubt in draft.outcome.doubts if "came from nowhere" in doubt]
-    assert draft.outcome.counters["iterations"] < shipped.outcome.counters["iterations"]
+    # a scene that no cheaper setting keeps within 10 % is its own draft
+    same = load(path).scenario.numerics == load(path, profile="draft").scenario.numerics
+    assert same or draft.outcome.counters["iterations"] < shipped.outcome.counters["iterations"]
