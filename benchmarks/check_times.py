@@ -9,19 +9,22 @@ import json
 import signal
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, Final
 
 from dismech_cli.compose.compose import compose
+from dismech_cli.compose.price import Work
 from dismech_cli.errors import ScenarioError
+from dismech_cli.kinematics.motion import held_dofs
 from dismech_cli.model.saved import Arrays, Numbers
 from dismech_cli.output.frame import Frame
 from dismech_cli.run.interrupt import StopRequest
 from dismech_cli.run.loop import run
 from dismech_cli.run.sink import Progress
 from dismech_cli.scenario.load import load
-from dismech_cli.session.inspect import estimate
+from dismech_cli.session.duration import iteration_time, seconds
+from dismech_cli.solve.system import System
 
 SCENARIOS: Final = Path(__file__).parents[1] / "scenarios"
 KEPT: Final = Path(__file__).with_name("results") / "check_times.json"
@@ -69,31 +72,43 @@ def measured(path: Path) -> dict[str, Any]:
     loaded = load(path)
     composition = compose(loaded)
     simulation, timer = composition.simulation, _Timer()
-    cost = estimate(composition, loaded.scenario.numerics)
     run(simulation, timer, stop=timer.stop)
     share = (timer.last[0] - timer.first[0]) / simulation.control.t_end
     steps, iterations = (timer.last[k] - timer.first[k] for k in (1, 2))
-    return {
+    return timed(path) | {
         "cpu": timer.seconds / share if share > 0.0 else None,
         "steps": steps / share if share > 0.0 else 1,
         "iterations": iterations / share if share > 0.0 else timer.last[2],
-        "said": cost.seconds,
-        "said_steps": cost.steps,
-        "said_iterations": cost.iterations,
-        "edges": len(simulation.topology.edges),
-        "triangles": len(simulation.topology.triangles),
-        "dofs": cost.dofs,
-        "entries": cost.entries,
-        "solver": cost.solver,
-        "kernels": composition.plan.kernels,
-        "contact": bool(simulation.model.changing),
-        "static": not simulation.model.mass.any(),
-        "loops": len(simulation.controls.loops),
+    }
+
+
+def timed(path: Path) -> dict[str, Any]:
+    """What `check` goes by: the work of a scene, and the time of an iteration."""
+    loaded = load(path)
+    composition = compose(loaded)
+    simulation = composition.simulation
+    model = simulation.model
+    system = System(model, ~held_dofs(model.motions, model.dofs.n, 0.0), simulation.linear_solver)
+    work = Work.of(
+        loaded.scenario.numerics,
+        composition.geometry,
+        touching=bool(model.changing),
+        steps=simulation.control.steps,
+    )
+    kernels, iteration = composition.plan.kernels, iteration_time(system, simulation.start)
+    return {
+        "work": asdict(work),
+        "kernels": kernels,
+        "iteration": iteration,
+        "said": seconds(work, kernels, iteration),
     }
 
 
 def main(names: Sequence[str]) -> None:
-    """Measure scenes."""
+    """Measure scenes; only what `check` goes by with ``--said``."""
+    if "--said" in names:
+        _say()
+        return
     kept = json.loads(KEPT.read_text(encoding="utf-8")) if KEPT.exists() else {}
     for path in scenes():
         if path.stem not in names if names else path.stem in kept:
@@ -106,3 +121,11 @@ def main(names: Sequence[str]) -> None:
         KEPT.write_text(json.dumps(kept, indent=1) + "\n", encoding="utf-8")
         one = kept[path.stem]
         print(path.stem, one["cpu"], one["said"], flush=True)
+
+
+def _say() -> None:
+    kept = json.loads(KEPT.read_text(encoding="utf-8"))
+    for path in scenes():
+        if path.stem in kept:
+            kept[path.stem] |= timed(path)
+            KEPT.write_text(json.dumps(kept, indent=1) + "\n", encoding="utf-8")
