@@ -67,7 +67,7 @@ def compared(name: str, integrators: Sequence[str]) -> list[tuple[str, ...]]:
     """Rows of a scene."""
     file, overrides, probe, steps, finest, tolerances = SCENES[name]
     quantities = {"q": Measured(probe=probe, norm="rms")}
-    every = ("expect={}", *(() if probe == "shape" else ("output.every=1 s",)))
+    every = ("expect={}", *(() if probe == "shape" else ("output.every=0.5 s",)))
 
     def ran(*more: str) -> Point:
         base = Base(path=ROOT / file, overrides=(*overrides, *every, *more))

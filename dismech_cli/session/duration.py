@@ -15,6 +15,8 @@ from ..solve.system import System
 # Calibrated on the gallery, `python -m benchmarks check_times`: products, checks and searches of an iteration
 # in units of its assembly and factors; of those of contact, what rods and shells that touch add [s].
 _ALL, _RODS, _SHELLS = 2.0, 2.5e-3, 4.0e-3
+# What a step takes besides [s], more than the rough price says.
+_STEP = 0.25e-3
 # Iterations of a step that touches; what the rough price says too many of in one that does not.
 _OF_CONTACT, _SMOOTH = 2.3, 0.85
 _LOOKS: Final = 3
@@ -26,14 +28,15 @@ def iteration_time(system: System, state: State) -> float:
     """CPU time to assemble and factorize a state, the least of some looks [s]."""
     least = float("inf")
     system.recall(state)
-    for _ in range(_LOOKS):
+    for look in range(_LOOKS):
         began = time.process_time()
         now = system.linearize(at_state(state), state.q, state.frames)
         # what is free to move takes as long
         with suppress(FactorizationError):
             system.solver.factorize(now.values).solve(now.residual[system.pattern.free])
         least = min(least, time.process_time() - began)
-        if least > _LONG:
+        # the first look may compile
+        if look and least > _LONG:
             break
     return least
 
@@ -48,6 +51,6 @@ def seconds(work: Work, kernels: str, iteration: float) -> float:
     """
     price = work.seconds(kernels)
     if not work.touching:
-        return max(_SMOOTH * price, work.steps * work.iterations * _ALL * iteration)
+        return work.steps * _STEP + max(_SMOOTH * price, work.steps * work.iterations * _ALL * iteration)
     each = _ALL * iteration + (_SHELLS if work.triangles else _RODS)
     return max(price, work.steps * _OF_CONTACT * each)
