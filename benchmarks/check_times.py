@@ -16,7 +16,6 @@ from typing import Any, Final
 from dismech_cli.compose.compose import compose
 from dismech_cli.compose.price import Work
 from dismech_cli.errors import ScenarioError
-from dismech_cli.kinematics.motion import held_dofs
 from dismech_cli.model.saved import Arrays, Numbers
 from dismech_cli.output.frame import Frame
 from dismech_cli.run.interrupt import StopRequest
@@ -24,7 +23,6 @@ from dismech_cli.run.loop import run
 from dismech_cli.run.sink import Progress
 from dismech_cli.scenario.load import load
 from dismech_cli.session.duration import iteration_time, seconds
-from dismech_cli.solve.system import System
 
 SCENARIOS: Final = Path(__file__).parents[1] / "scenarios"
 KEPT: Final = Path(__file__).with_name("results") / "check_times.json"
@@ -88,14 +86,13 @@ def timed(path: Path) -> dict[str, Any]:
     composition = compose(loaded)
     simulation = composition.simulation
     model = simulation.model
-    system = System(model, ~held_dofs(model.motions, model.dofs.n, 0.0), simulation.linear_solver)
     work = Work.of(
         loaded.scenario.numerics,
         composition.geometry,
         touching=bool(model.changing),
         steps=simulation.control.steps,
     )
-    kernels, iteration = composition.plan.kernels, iteration_time(system, simulation.start)
+    kernels, iteration = composition.plan.kernels, iteration_time(simulation)
     return {
         "work": asdict(work),
         "kernels": kernels,

@@ -7,7 +7,8 @@ from contextlib import suppress
 from typing import Final
 
 from ..compose.price import Work
-from ..model.state import State
+from ..kinematics.motion import held_dofs
+from ..run.simulation import Simulation
 from ..solve.integrators import at_state
 from ..solve.linear.factors import FactorizationError
 from ..solve.system import System
@@ -20,14 +21,20 @@ _STEP = 0.25e-3
 # Iterations of a step that touches; what the rough price says too many of in one that does not.
 _OF_CONTACT, _SMOOTH = 2.3, 0.85
 _LOOKS: Final = 3
+# Degrees of freedom of models that are not analysed for a look.
+_LARGE: Final = 20_000
 # A look at a model this large is enough [s].
 _LONG: Final = 0.3
 
 
-def iteration_time(system: System, state: State) -> float:
-    """CPU time to assemble and factorize a state, the least of some looks [s]."""
-    least = float("inf")
+def iteration_time(simulation: Simulation) -> float:
+    """CPU time to assemble and factorize the start, the least of some looks [s]; 0 of what is large."""
+    model, state = simulation.model, simulation.start
+    if model.dofs.n > _LARGE:
+        return 0.0
+    system = System(model, ~held_dofs(model.motions, model.dofs.n, state.t), simulation.linear_solver)
     system.recall(state)
+    least = float("inf")
     for look in range(_LOOKS):
         began = time.process_time()
         now = system.linearize(at_state(state), state.q, state.frames)

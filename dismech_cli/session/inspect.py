@@ -22,7 +22,7 @@ from ..scenario.language.numerics import Numerics
 from ..scenario.load import load
 from ..scenario.text.parameters import Parameter
 from ..scenario.views.provenance import as_json
-from ..solve.system import System, base_pattern, chosen_solver
+from ..solve.system import base_pattern, chosen_solver
 from .duration import iteration_time, seconds
 from .joints import JointLine, joint_lines
 from .loops import look_at_loops, nominal_step
@@ -226,7 +226,7 @@ def estimate(composition: Composition, numerics: Numerics) -> Cost:
         adaptive=numerics.adapts,
         iterations=work.iterations,
         frames=frames,
-        seconds=seconds(work, kernels, iteration_time(system, simulation.start)),
+        seconds=seconds(work, kernels, iteration_time(simulation)),
         memory=memory(model, kernels, solver, pattern.nnz),
         disk=8.0 * frames * _numbers_per_frame(topology),
     )
