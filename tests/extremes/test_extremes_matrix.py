@@ -5,6 +5,7 @@ The scenes are those of `python -m benchmarks extremes`, which makes the table o
 
 from __future__ import annotations
 
+import json
 from itertools import chain
 from pathlib import Path
 
@@ -26,6 +27,7 @@ from benchmarks.extremes.cantilever import (
 from benchmarks.extremes.cell import Cell, Kind, judged
 from benchmarks.extremes.families import FAMILIES
 from benchmarks.extremes.rod_balance import Rod
+from benchmarks.extremes.table import KEPT, PAGE
 from dismech_cli.run.loop import End
 
 # Scenes that give up, beside those corners below: one that leaves the list has improved.
@@ -82,6 +84,15 @@ def test_forces_out_of_balance_are_seen() -> None:
     assert x[-1, 1] == pytest.approx(-1e-2 / 8.0 * (1.0 + 1.0 / 16.0), rel=1e-3)
     x[-1, 1] *= 1.001
     assert rod.unbalanced(x) > 1e-3
+
+
+def test_the_page_tells_of_every_family_and_nothing_went_wrong() -> None:
+    """That the page is what the command wrote is seen from the numbers that it keeps."""
+    kept = json.loads(KEPT.read_text(encoding="utf-8"))
+    assert set(kept) == set(FAMILIES)
+    assert not any(one["wrong"] for one in kept.values())
+    text = PAGE.read_text(encoding="utf-8")
+    assert all(f"`{name}`" in text for name in FAMILIES)
 
 
 # Steps longer than a tenth of a pendulum's period, in which generalised-alpha makes energy: so much that
