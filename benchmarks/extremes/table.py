@@ -93,10 +93,10 @@ def page(outcomes: dict[str, Outcome]) -> str:
 
 
 _TAIL = """
-A rod of some 4000 edges and more that bends under its weight at rest is the one limit of double precision met here:
-forces between neighbours, E I / l^3, round by more than the load. Its step is told as *lost in rounding*;
-in time, inertia holds each node and there is no such limit. Rods that hang by stretching are right at any
-number of edges.
+A rod of some 4000 edges and more that bends under its weight at rest is the one limit of double precision
+met here: forces between neighbours, E I / l^3, round by more than the load. Its step is told as *lost in
+rounding*; in time, inertia holds each node and there is no such limit. Rods that hang by stretching are
+right at any number of edges.
 
 Generalised-alpha is left out: at steps longer than a tenth of a pendulum's period it makes energy in
 falls, which the run tells at its end (`tests/extremes`). The default integrator, TR-BDF2, and implicit
