@@ -19,6 +19,7 @@ from numpy.testing import assert_array_equal
 from passing import passed
 
 import dismech_cli
+from dismech_cli.errors import ScenarioError
 from dismech_cli.run.loop import End, Limits
 from dismech_cli.scenario.load import load_mapping
 from dismech_cli.session.narrator import Silent
@@ -180,7 +181,7 @@ def test_an_extreme_scene(name: str, change: str) -> None:
     how(deck, factor)
     loaded = load_mapping(deck, directory=FOLDER)
     if (name, change) in REFUSED:
-        with pytest.raises(dismech_cli.ScenarioError, match="contact"):
+        with pytest.raises(ScenarioError, match="contact"):
             dismech_cli.simulate(loaded)
     else:
         assert_sound(dismech_cli.simulate(loaded))
