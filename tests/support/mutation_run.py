@@ -133,6 +133,8 @@ def main() -> int:
             if one.fault:
                 faults += 1
                 print(f"{seed}: {one.fault.splitlines()[0]}", flush=True)
+            if (seed + 1) % 1000 == 0:
+                print(f"up to {seed}: {faults} faults", flush=True)
     slowest, largest = max(found, key=lambda one: one.seconds), max(found, key=lambda one: one.peak)
     refused = sum(bool(one.refused) for one in found)
     print(
