@@ -30,7 +30,7 @@ from .observables.probes import make_probe, make_probes, make_watched
 from .observables.validity import make_checks
 from .path import make_advance
 from .scene import Scene, make_scene
-from .sizes import refuse_oversized
+from .sizes import refuse_oversized, refuse_too_many
 from .stepping import make_stepping
 from .structure.holds import drives, resolve_holds
 from .structure.kernels import Chosen, Repays, among_many, choose_kernels
@@ -78,6 +78,7 @@ def compose(
     Raises:
         ScenarioError: The scenario cannot be composed; the message points to the key.
     """
+    refuse_too_many(loaded)
     perfect = make_scene(loaded)
     refuse_oversized(loaded, perfect.geometry)
     deviation = _deviation(perfect, plugins)

@@ -9,6 +9,8 @@ from typing import Final
 
 from ..errors import ScenarioError
 from ..model.model import Model
+from ..scenario.language.geometry import Rod, Shell
+from ..scenario.language.shape import Arc, Helix, Line
 from ..scenario.load import LoadedScenario
 from .bodies.geometry import Geometry
 
@@ -50,6 +52,27 @@ def rough_memory(edges: int, triangles: int, dimension: int) -> float:
     return _PROGRAM + edges * (_PLANAR_EDGE if dimension == 2 else _EDGE) + triangles * _TRIANGLE
 
 
+def refuse_too_many(loaded: LoadedScenario) -> None:
+    """Refuse rods that this machine cannot hold before they are made.
+
+    Raises:
+        ScenarioError: pointing to the rod with the most nodes.
+    """
+    counts = [_declared(body) for body in loaded.scenario.geometry]
+    needed, present = rough_memory(sum(counts), 0, loaded.scenario.dimension), machine_memory()
+    if needed - _PROGRAM > present:  # the rods alone
+        raise _too_large(loaded, counts, f"{sum(counts)} nodes of rods", needed, present)
+
+
+def _declared(body: Rod | Shell) -> int:
+    """Nodes that a rod is made with, 0 where that is not known yet."""
+    match body:
+        case Rod(generate=Line() | Arc() | Helix() as shape):
+            return shape.nodes
+        case _:
+            return 0
+
+
 def refuse_oversized(loaded: LoadedScenario, geometry: Geometry) -> None:
     """Refuse a scene that this machine cannot hold.
 
@@ -59,13 +82,13 @@ def refuse_oversized(loaded: LoadedScenario, geometry: Geometry) -> None:
     edges, triangles = len(geometry.edges), len(geometry.triangles)
     needed, present = rough_memory(edges, triangles, loaded.scenario.dimension), machine_memory()
     if needed > present:
-        raise _oversized(loaded, geometry, f"{edges} edges and {triangles} triangles", needed, present)
+        sizes = [len(geometry.body_nodes[body.name]) for body in loaded.scenario.geometry]
+        raise _too_large(loaded, sizes, f"{edges} edges and {triangles} triangles", needed, present)
 
 
-def _oversized(
-    loaded: LoadedScenario, geometry: Geometry, what: str, needed: float, present: float
+def _too_large(
+    loaded: LoadedScenario, sizes: list[int], what: str, needed: float, present: float
 ) -> ScenarioError:
-    sizes = [len(geometry.body_nodes[body.name]) for body in loaded.scenario.geometry]
     return loaded.error(
         ("geometry", sizes.index(max(sizes))),
         f"the scene has {what}: a run takes about {needed / 1e9:.2g} GB of memory, "

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import time
+from pathlib import Path
 
 import pytest
 
+from dismech_cli import load
 from dismech_cli.compose import sizes
 from dismech_cli.compose.compose import compose
 from dismech_cli.errors import ScenarioError
@@ -151,3 +153,12 @@ def test_counts_of_rings_are_bounded_too() -> None:
         "{shape: disc, center: [0, 0, 0], radius: 1, rings: 2, counts: [150000, 150000]}}"
     )
     assert "disc: 6e+05 triangles" in _fault(ROD.replace("motions:", f"  - {sheet}\nmotions:"))
+
+
+def test_rods_that_cannot_be_held_are_refused_before_they_are_made(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("dismech_cli.compose.sizes.machine_memory", lambda: 5e8)
+    monkeypatch.setattr("dismech_cli.compose.compose.make_scene", lambda loaded: pytest.fail("made"))
+    file = Path(__file__).parents[1] / "data" / "rod_at_rest.yaml"
+    loaded = load(file, overrides=("geometry[0].generate.nodes=1000000",))
+    with pytest.raises(ScenarioError, match=r"geometry\[0\]: the scene has 1000000 nodes of rods"):
+        compose(loaded)

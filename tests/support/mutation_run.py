@@ -29,7 +29,8 @@ from dismech_cli.errors import ScenarioError
 from dismech_cli.scenario.load import load_text
 from dismech_cli.session.inspect import estimate
 
-PLACE = re.compile(r":\d+:\d+: ")
+PLACE = re.compile(r":\d+(:\d+)?: ")
+"""Line and column of a scenario, or the line of a file that it names."""
 SECONDS = 5.0
 """Processor time that one may take [s]."""
 BYTES, OWN = 1e9, 2e8
