@@ -129,28 +129,12 @@ def _advance(course: Course, limits: Limits, stop: StopRequest) -> Outcome:
             # where a run with a later end would take another way
             course.checkpoint()
             closed = True
-        start, target = course.state.t, course.control.target
         try:
-            result = course.step()
-            last.append((start, target, result))
-            if result.status is not Status.CONVERGED:
-                if course.control.exhausted:
-                    cut = course.counters.cuts > 0
-                    return _failed(course, describe_failure(course.simulation, last, cut=cut))
-                course.cut(result)
-                continue
-            if (shorter := course.control.refused(result)) is not None:
-                course.refuse(result, shorter)
-                continue
-            shown = course.accept(result)
+            ended = _tried(course, last)
         except (ControlError, LawError) as error:
             return _failed(course, Failure(str(error)))
-        dt = target - start
-        if shown is not None and not shown.finite:
-            return _blown_up(course, describe_infinite(course.simulation, shown, dt))
-        if shown is not None and course.account.runs_away(shown.energies, course.control.t_end):
-            return _blown_up(course, describe_runaway(course.simulation, shown, dt))
-        course.report(dt)
+        if ended is not None:
+            return ended
         if reason := _why_pause(course, limits, stop):
             course.checkpoint()
             return _ended(course, End.INTERRUPTED, Failure(reason))
@@ -163,6 +147,34 @@ def _advance(course: Course, limits: Limits, stop: StopRequest) -> Outcome:
         return _blown_up(course, describe_rounded(course.simulation, course.state))
     course.checkpoint()
     return _ended(course, End.DONE, Failure(""), _doubts(course))
+
+
+def _tried(course: Course, last: deque[Attempt]) -> Outcome | None:
+    """Try a step, and take it, cut it or refuse it; how the run ended if it cannot go on.
+
+    Raises:
+        LawError: Something that the step follows has no value there.
+        ControlError: A controller fails.
+    """
+    start, target = course.state.t, course.control.target
+    result = course.step()
+    last.append((start, target, result))
+    if result.status is not Status.CONVERGED:
+        if course.control.exhausted:
+            cut = course.counters.cuts > 0
+            return _failed(course, describe_failure(course.simulation, last, cut=cut))
+        course.cut(result)
+        return None
+    if (shorter := course.control.refused(result)) is not None:
+        course.refuse(result, shorter)
+        return None
+    shown, dt = course.accept(result), target - start
+    if shown is not None and not shown.finite:
+        return _blown_up(course, describe_infinite(course.simulation, shown, dt))
+    if shown is not None and course.account.runs_away(shown.energies, course.control.t_end):
+        return _blown_up(course, describe_runaway(course.simulation, shown, dt))
+    course.report(dt)
+    return None
 
 
 def _why_pause(course: Course, limits: Limits, stop: StopRequest) -> str:
