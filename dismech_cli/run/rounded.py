@@ -13,6 +13,8 @@ from typing import Final
 
 import numpy as np
 
+from ..arrays import FloatArray
+from ..model.configuration import Configuration
 from ..model.state import State
 from ..solve.integrators import at_state
 from ..solve.system import System
@@ -38,7 +40,9 @@ def rounded_away(system: System, start: State, end: State) -> bool:
     held[free] = start.q[free]
     with np.errstate(all="ignore"):  # which may crush what is beside it: no small load
         load = system.residual(stage, held, start.frames)[free]
-    if not floor > float(np.linalg.norm(load)) > 0.0:
+        pushed = _pushed(system, system.configuration(stage, held, start.frames))[free]
+    # where nothing pushes, what is left is rounding itself
+    if not 0.0 < float(np.linalg.norm(pushed)) < floor or not float(np.linalg.norm(load)) < floor:
         return False
     way = np.zeros_like(end.q)
     way[free] = (end.q - start.q)[free]
@@ -47,3 +51,18 @@ def rounded_away(system: System, start: State, end: State) -> bool:
     _, rest = system.potential(stage, end.q, end.frames)
     after = (up - down) / (2.0 * _PART) + float(rest @ way)
     return not abs(after) <= _LEFT * abs(before)
+
+
+def _pushed(system: System, c: Configuration) -> FloatArray:
+    """The residual of loads alone, of those that push and of those that have a potential, shape (n,)."""
+    pushed = np.zeros_like(c.q)
+    for bound in system.terms:
+        if bound.potential is None:
+            bound.add_residual(c, pushed)
+    for term in system.model.terms:
+        if (
+            not term.couplings
+            and (bound := term.bind(system.pattern, system.model.driver)).potential is not None
+        ):
+            bound.add_residual(c, pushed)
+    return pushed
