@@ -30,7 +30,7 @@ from .clock import exponent, in_turns
 from .newton_iteration import DT, Iteration, advance, measure, split_table
 from .run_loop import Nowhere
 from .scenes import stepper_of
-from .shell_scenes import DIVISIONS, sheet
+from .shell_scenes import sheet
 from .table import table, verdict
 
 BENDING = ("hinge", "averaged", "midedge")
@@ -173,7 +173,7 @@ def one_iteration(triangles: int, kernels: str, bending: str, quick: bool) -> tu
 
 def report(quick: bool) -> str:
     """Ratios with their bars, the split, what is beside it, exponents, and memory."""
-    sizes = list(DIVISIONS)[:2] if quick else list(DIVISIONS)
+    sizes = list(BARS["numba"])[: 2 if quick else None]
     ratios, splits, asides, growth, memory = [], [], [], [], []
     for kernels, models in MODELS.items():
         for bending in models:
