@@ -106,8 +106,21 @@ def barrier_points(at: Closest, stop: FloatArray, reach: FloatArray, stiffness: 
         reach: How far beyond it the barrier begins [m], shape (K,).
         stiffness: k [N/m], shape (K,).
     """
-    distance = at.distance
-    energy, slope, curvature = barrier(distance - stop, reach, stiffness)
+    return radial_points(at, at.distance, *barrier(at.distance - stop, reach, stiffness))
+
+
+def radial_points(
+    at: Closest, distance: FloatArray, energy: FloatArray, slope: FloatArray, curvature: FloatArray
+) -> Points:
+    """Points of contact of pairs whose energy depends on their distance alone.
+
+    Args:
+        at: Closest points.
+        distance: Between them, not zero [m], shape (K,).
+        energy: Of each [J], shape (K,).
+        slope: Its derivative [N].
+        curvature: Its second derivative [N/m].
+    """
     pull = slope / distance
     return Points(
         item=at.item,

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..arrays import FloatArray, IntArray
 from ..geometry.kernel import kernel
-from .barrier import Closest
+from .barrier import Closest, radial_points
 from .points import Points
 
 _SHARPNESS: Final = 15.0
@@ -66,26 +66,7 @@ def pair_points(at: Closest, touch: FloatArray, law: Softplus) -> Points:
         law: The law.
     """
     distance = np.maximum(at.distance, np.finfo(float).tiny)
-    energy, slope, curvature = law(distance - touch)
-    pull = slope / distance
-    return Points(
-        item=at.item,
-        s=at.s,
-        weights=at.weights,
-        spread=at.spread,
-        gap=at.gap,
-        normal=at.gap / distance,
-        energy=energy,
-        pull=pull,
-        along=(curvature - pull) / (distance * distance),
-        bend=pull,
-        load=-slope,
-        growth=-curvature,
-        identity=at.identity,
-        axis=at.axis,
-        e=at.e,
-        turn=1.0 / distance,
-    )
+    return radial_points(at, distance, *law(distance - touch))
 
 
 def floor_points(
