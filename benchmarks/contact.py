@@ -11,11 +11,11 @@ import numpy as np
 
 from dismech_cli.arrays import FloatArray
 from dismech_cli.contact.contact import Contacts
-from dismech_cli.contact.guard import Guard
-from dismech_cli.contact.rod_pairs import RodPairs
-from dismech_cli.contact.search import Search
-from dismech_cli.contact.surface_pairs import SurfacePairs
-from dismech_cli.contact.surface_search import FaceSearch
+from dismech_cli.contact.guards.guard import Guard
+from dismech_cli.contact.pairs.rod_pairs import RodPairs
+from dismech_cli.contact.pairs.search import Search
+from dismech_cli.contact.pairs.surface_pairs import SurfacePairs
+from dismech_cli.contact.pairs.surface_search import FaceSearch
 from dismech_cli.kernels.linearization import Linearization
 from dismech_cli.solve.integrators import ImplicitEuler
 from dismech_cli.solve.overlay import Overlay

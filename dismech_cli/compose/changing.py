@@ -41,8 +41,8 @@ def make_changing(scene: Scene, structure: Structure) -> Changing:
     if scene.scenario.contact is None:
         return Changing()
     from ..contact.contact import WORST
-    from ..contact.rod_pairs import PAIRS
-    from ..contact.surface_pairs import LISTED
+    from ..contact.pairs.rod_pairs import PAIRS
+    from ..contact.pairs.surface_pairs import LISTED
     from ..contact.terms import FRICTION, NORMAL
     from .contact.contact import make_contact
     from .contact.doubts import depth_check, start_doubts

@@ -15,24 +15,24 @@ from ..kinematics.dofs import DofMap
 from ..model.configuration import Configuration
 from ..model.term import BoundChanging, Memory
 from ..model.touch import Touch
-from .faces import Faces
-from .guarding import Guarding
-from .lines import Lines
-from .loops import Loops, loops_of
-from .near_wall import NearWall
-from .neighbours import Neighbours
-from .rod_pairs import RodPairs
-from .search import Search
-from .searches import Searches
-from .source import Source
-from .stencils import Stencils
-from .stiffness import Hardness, Rule, given_up
+from .drivers.loops import Loops, loops_of
+from .gather.source import Source
+from .gather.stencils import Stencils
+from .gather.touching import Touching
+from .guards.guarding import Guarding
+from .law.stiffness import Hardness, Rule, given_up
+from .nearby.faces import Faces
+from .nearby.neighbours import Neighbours
+from .nearby.searches import Searches
+from .obstacles.near_wall import NearWall
+from .obstacles.walls import Wall
+from .pairs.rod_pairs import RodPairs
+from .pairs.search import Search
+from .pairs.surface_pairs import SurfacePairs
+from .pairs.surface_search import FaceSearch
+from .pieces.lines import Lines
 from .sums import deepest, summed, worst
-from .surface_pairs import SurfacePairs
-from .surface_search import FaceSearch
 from .terms import FullFriction, NormalTerm, SymmetricFriction
-from .touching import Touching
-from .walls import Wall
 
 HARDNESS, DEEPEST, WORST = "contact.hardness", "contact.deepest", "contact.worst"
 

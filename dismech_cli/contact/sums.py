@@ -8,9 +8,9 @@ import numpy as np
 
 from ..arrays import FloatArray
 from ..model.touch import Touch
-from .source import Depths
+from .gather.source import Depths
+from .gather.touching import Touching
 from .terms import FullFriction, SymmetricFriction
-from .touching import Touching
 
 
 def summed(

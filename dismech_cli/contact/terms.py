@@ -10,10 +10,10 @@ import numpy as np
 from ..arrays import FloatArray
 from ..kernels.linearization import Linearization, Pattern
 from ..model.configuration import Configuration
-from .loops import Loops, Upper
-from .rubbing import slip
-from .stencils import Stencils
-from .touching import Touching
+from .drivers.loops import Loops, Upper
+from .gather.stencils import Stencils
+from .gather.touching import Touching
+from .law.rubbing import slip
 
 # Below this share of the speed over which friction grows it is all but linear.
 _CREEP = 0.5

@@ -10,11 +10,11 @@ from numpy.testing import assert_allclose
 from rigid_boxes import box
 
 from dismech_cli.arrays import FloatArray
-from dismech_cli.contact.barrier import Closest, barrier, barrier_points, convex
-from dismech_cli.contact.closest import closest_of_points, closest_of_segments
-from dismech_cli.contact.cores import BoxCore, LineCore, PointCore, SegmentCore
-from dismech_cli.contact.obstacle import HalfSpace, Rounded, Shape
-from dismech_cli.contact.rigid_surface import RigidSurface
+from dismech_cli.contact.obstacles.obstacle import HalfSpace, Rounded, Shape
+from dismech_cli.contact.obstacles.rigid_surface import RigidSurface
+from dismech_cli.contact.pieces.cores import BoxCore, LineCore, PointCore, SegmentCore
+from dismech_cli.contact.points.barrier import Closest, barrier, barrier_points, convex
+from dismech_cli.contact.points.closest import closest_of_points, closest_of_segments
 
 Find = Callable[[FloatArray], Closest]
 

@@ -6,10 +6,10 @@ import numpy as np
 from numpy.testing import assert_allclose
 
 from dismech_cli.arrays import BoolArray, FloatArray
-from dismech_cli.contact.cores import beside
-from dismech_cli.contact.facing_triangle import facing
-from dismech_cli.contact.pieces import spots
-from dismech_cli.contact.points import Points, round_points
+from dismech_cli.contact.pieces.cores import beside
+from dismech_cli.contact.pieces.facing_triangle import facing
+from dismech_cli.contact.pieces.pieces import spots
+from dismech_cli.contact.points.points import Points, round_points
 
 COUNT = 1000
 REACH = 0.8

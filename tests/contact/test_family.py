@@ -12,7 +12,7 @@ from numpy.testing import assert_allclose
 
 import dismech_cli
 from dismech_cli.arrays import FloatArray
-from dismech_cli.contact.softplus import softplus
+from dismech_cli.contact.points.softplus import softplus
 from dismech_cli.errors import ScenarioError
 from dismech_cli.kernels.numpy_driver import NumpyDriver
 from dismech_cli.model.configuration import Configuration

@@ -7,12 +7,12 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from touching_rods import neighbours
 
-from dismech_cli.contact.batches import Batches
-from dismech_cli.contact.candidates import near_pairs
-from dismech_cli.contact.exclusion import near_along
-from dismech_cli.contact.neighbours import distances
-from dismech_cli.contact.rod_pairs import PAIRS, RodPairs
-from dismech_cli.contact.search import Search
+from dismech_cli.contact.drivers.batches import Batches
+from dismech_cli.contact.nearby.candidates import near_pairs
+from dismech_cli.contact.nearby.exclusion import near_along
+from dismech_cli.contact.nearby.neighbours import distances
+from dismech_cli.contact.pairs.rod_pairs import PAIRS, RodPairs
+from dismech_cli.contact.pairs.search import Search
 
 
 @pytest.mark.parametrize("spread", [0.0, 6.0])

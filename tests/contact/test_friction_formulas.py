@@ -6,8 +6,8 @@ import numpy as np
 from numpy.testing import assert_allclose
 
 from dismech_cli.arrays import FloatArray
-from dismech_cli.contact.cores import BoxCore, LineCore, PointCore
-from dismech_cli.contact.points import Points, round_points
+from dismech_cli.contact.pieces.cores import BoxCore, LineCore, PointCore
+from dismech_cli.contact.points.points import Points, round_points
 
 COUNT = 40
 

@@ -8,17 +8,17 @@ from numpy.testing import assert_allclose, assert_array_equal
 from touching_sheets import faces, flat
 
 from dismech_cli.arrays import FloatArray, IntArray
-from dismech_cli.contact.batches import Batches
-from dismech_cli.contact.candidates import Boxes
-from dismech_cli.contact.compiled import Compiled
-from dismech_cli.contact.cores import BoxCore, LineCore, PointCore
-from dismech_cli.contact.loops import Loops
-from dismech_cli.contact.obstacle import HalfSpace, Rounded, Shape
-from dismech_cli.contact.points import Points
-from dismech_cli.contact.stencils import Stencils
-from dismech_cli.contact.surface_pairs import SurfacePairs
-from dismech_cli.contact.surface_search import FaceSearch
-from dismech_cli.contact.touching import Touching
+from dismech_cli.contact.drivers.batches import Batches
+from dismech_cli.contact.drivers.compiled import Compiled
+from dismech_cli.contact.drivers.loops import Loops
+from dismech_cli.contact.gather.stencils import Stencils
+from dismech_cli.contact.gather.touching import Touching
+from dismech_cli.contact.nearby.candidates import Boxes
+from dismech_cli.contact.obstacles.obstacle import HalfSpace, Rounded, Shape
+from dismech_cli.contact.pairs.surface_pairs import SurfacePairs
+from dismech_cli.contact.pairs.surface_search import FaceSearch
+from dismech_cli.contact.pieces.cores import BoxCore, LineCore, PointCore
+from dismech_cli.contact.points.points import Points
 from dismech_cli.kernels.linearization import Coupling
 from dismech_cli.kernels.numba_driver import NumbaDriver
 from dismech_cli.kernels.numpy_driver import NumpyDriver

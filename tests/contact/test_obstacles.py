@@ -7,11 +7,11 @@ import pytest
 from numpy.testing import assert_allclose
 
 from dismech_cli.arrays import FloatArray
-from dismech_cli.contact.advance import longest_way
-from dismech_cli.contact.cores import BoxCore, Core, LineCore, PointCore, SegmentCore
-from dismech_cli.contact.obstacle import HalfSpace, Obstacle, Rounded, Shape
-from dismech_cli.contact.points import Points
-from dismech_cli.contact.pose import Frame, Pose, rotation
+from dismech_cli.contact.nearby.advance import longest_way
+from dismech_cli.contact.obstacles.obstacle import HalfSpace, Obstacle, Rounded, Shape
+from dismech_cli.contact.obstacles.pose import Frame, Pose, rotation
+from dismech_cli.contact.pieces.cores import BoxCore, Core, LineCore, PointCore, SegmentCore
+from dismech_cli.contact.points.points import Points
 from dismech_cli.laws.laws import Constant, Ramp
 
 ZERO = Constant(0.0)

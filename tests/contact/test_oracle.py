@@ -13,12 +13,12 @@ import pytest
 from numpy.testing import assert_allclose
 
 from dismech_cli.arrays import FloatArray, IntArray
-from dismech_cli.contact.batches import Batches
-from dismech_cli.contact.cores import beside
-from dismech_cli.contact.faces import face_pieces
-from dismech_cli.contact.loops import Loops, loops_of
-from dismech_cli.contact.pieces import Pieces
-from dismech_cli.contact.points import Points, round_points
+from dismech_cli.contact.drivers.batches import Batches
+from dismech_cli.contact.drivers.loops import Loops, loops_of
+from dismech_cli.contact.nearby.faces import face_pieces
+from dismech_cli.contact.pieces.cores import beside
+from dismech_cli.contact.pieces.pieces import Pieces
+from dismech_cli.contact.points.points import Points, round_points
 from dismech_cli.kernels.numba_driver import NumbaDriver
 
 KINDS = ("random", "close", "sliver", "flat", "parallel")

@@ -8,11 +8,11 @@ from numpy.testing import assert_allclose, assert_array_equal
 from rigid_boxes import HALF, box
 
 from dismech_cli.arrays import FloatArray
-from dismech_cli.contact.cores import BoxCore
-from dismech_cli.contact.inside import inside
-from dismech_cli.contact.obstacle import Rounded
-from dismech_cli.contact.points import Points
-from dismech_cli.contact.rigid_surface import RigidSurface
+from dismech_cli.contact.obstacles.obstacle import Rounded
+from dismech_cli.contact.obstacles.rigid_surface import RigidSurface
+from dismech_cli.contact.pieces.cores import BoxCore
+from dismech_cli.contact.pieces.inside import inside
+from dismech_cli.contact.points.points import Points
 
 
 def lines(seed: int, count: int) -> tuple[FloatArray, FloatArray]:

@@ -7,9 +7,9 @@ import pytest
 from numpy.testing import assert_allclose
 from touching_sheets import energy, faces, flat, gradient
 
-from dismech_cli.contact.batches import Batches
-from dismech_cli.contact.surface_pairs import SurfacePairs
-from dismech_cli.contact.surface_search import FaceSearch
+from dismech_cli.contact.drivers.batches import Batches
+from dismech_cli.contact.pairs.surface_pairs import SurfacePairs
+from dismech_cli.contact.pairs.surface_search import FaceSearch
 
 H = 1.0
 """Distance at which the bodies touch."""

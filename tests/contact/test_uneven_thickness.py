@@ -11,7 +11,7 @@ from numpy.testing import assert_allclose
 
 from dismech_cli import Limits, simulate
 from dismech_cli.arrays import FloatArray
-from dismech_cli.contact.surface import Junctions
+from dismech_cli.contact.pieces.surface import Junctions
 from dismech_cli.kernels.driver import Driver
 from dismech_cli.kernels.numba_driver import NumbaDriver
 from dismech_cli.kernels.numpy_driver import NumpyDriver

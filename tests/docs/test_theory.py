@@ -9,9 +9,9 @@ import pytest
 from numpy.linalg import det, norm
 from numpy.testing import assert_allclose
 
-from dismech_cli.contact.barrier import barrier
-from dismech_cli.contact.quadrature import density
-from dismech_cli.contact.rubbing import friction_force
+from dismech_cli.contact.law.quadrature import density
+from dismech_cli.contact.law.rubbing import friction_force
+from dismech_cli.contact.points.barrier import barrier
 from dismech_cli.energies.bend_isotropic import bend_isotropic
 from dismech_cli.energies.bend_planar import bend_planar
 from dismech_cli.energies.bend_twist import bend_twist

@@ -12,7 +12,7 @@ import dismech_cli
 from dismech_cli.arrays import FloatArray
 from dismech_cli.compose.contact.obstacles import make_obstacle
 from dismech_cli.compose.scene import make_scene
-from dismech_cli.contact.obstacle import Obstacle
+from dismech_cli.contact.obstacles.obstacle import Obstacle
 from dismech_cli.output.read import read
 from dismech_cli.output.run_directory import SCENARIO_FILE
 from dismech_cli.render.framing import Framing, frame_motion

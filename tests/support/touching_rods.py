@@ -7,11 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from dismech_cli.arrays import FloatArray
-from dismech_cli.contact.batches import Batches
-from dismech_cli.contact.lines import Lines
-from dismech_cli.contact.neighbours import Neighbours
-from dismech_cli.contact.rod_pairs import RodPairs
-from dismech_cli.contact.search import Search
+from dismech_cli.contact.drivers.batches import Batches
+from dismech_cli.contact.nearby.neighbours import Neighbours
+from dismech_cli.contact.pairs.rod_pairs import RodPairs
+from dismech_cli.contact.pairs.search import Search
+from dismech_cli.contact.pieces.lines import Lines
 from dismech_cli.kinematics.dofs import DofMap
 
 

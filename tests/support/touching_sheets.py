@@ -8,14 +8,14 @@ from typing import TypeAlias
 import numpy as np
 
 from dismech_cli.arrays import FloatArray, IntArray
-from dismech_cli.contact.batches import Batches
-from dismech_cli.contact.exclusion import near_along
-from dismech_cli.contact.faces import Faces
-from dismech_cli.contact.lines import Lines
-from dismech_cli.contact.surface import Surface
-from dismech_cli.contact.surface_exclusion import with_exclusions
-from dismech_cli.contact.surface_pairs import SurfacePairs
-from dismech_cli.contact.surface_search import FaceSearch
+from dismech_cli.contact.drivers.batches import Batches
+from dismech_cli.contact.nearby.exclusion import near_along
+from dismech_cli.contact.nearby.faces import Faces
+from dismech_cli.contact.nearby.surface_exclusion import with_exclusions
+from dismech_cli.contact.pairs.surface_pairs import SurfacePairs
+from dismech_cli.contact.pairs.surface_search import FaceSearch
+from dismech_cli.contact.pieces.lines import Lines
+from dismech_cli.contact.pieces.surface import Surface
 from dismech_cli.kinematics.dofs import DofMap
 
 Sheet: TypeAlias = tuple[FloatArray, IntArray]

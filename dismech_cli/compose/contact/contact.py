@@ -7,12 +7,12 @@ from functools import partial
 import numpy as np
 
 from ...arrays import FloatArray
-from ...contact.anchored_wall import AnchoredWall
 from ...contact.contact import Contact, Friction, along_lines
-from ...contact.lines import Lines
-from ...contact.stiffness import Given, Rule, Tolerant
+from ...contact.law.stiffness import Given, Rule, Tolerant
+from ...contact.obstacles.anchored_wall import AnchoredWall
+from ...contact.obstacles.walls import Wall
+from ...contact.pieces.lines import Lines
 from ...contact.terms import AnchoredFriction, FullFriction, SymmetricFriction
-from ...contact.walls import Wall
 from ...scenario.language.contact import CompatLaw, Law, PenaltyLaw
 from ...scenario.language.contact import Contact as ContactSpec
 from ..scene import Scene

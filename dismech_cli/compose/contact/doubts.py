@@ -9,7 +9,7 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...contact.contact import DEEPEST, Contact
-from ...contact.neighbours import Neighbours
+from ...contact.nearby.neighbours import Neighbours
 from ...run.observables.snapshot import Snapshot
 from ...run.validity import Check
 from ...scenario.language.contact import BarrierLaw

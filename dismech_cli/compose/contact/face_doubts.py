@@ -11,7 +11,7 @@ import numpy as np
 from ...arrays import FloatArray, IntArray
 from ...contact.contact import Contact
 from ...contact.crossing import crossings
-from ...contact.faces import Faces
+from ...contact.nearby.faces import Faces
 from ...kinematics.dofs import DofMap
 from ...run.observables.snapshot import Snapshot
 from ...run.validity import Check

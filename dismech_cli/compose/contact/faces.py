@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
-from ...contact.exclusion import near_along
-from ...contact.faces import Faces
-from ...contact.lines import Lines
-from ...contact.surface import Surface
-from ...contact.surface_exclusion import with_exclusions
+from ...contact.nearby.exclusion import near_along
+from ...contact.nearby.faces import Faces
+from ...contact.nearby.surface_exclusion import with_exclusions
+from ...contact.pieces.lines import Lines
+from ...contact.pieces.surface import Surface
 from ..bodies.geometry import Geometry
 from ..scene import Scene
 from ..structure.masses import nodal_mass

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 from ...arrays import IntArray
 from ...contact.contact import Contact
-from ...contact.family import FamilyPairs
-from ...contact.family_floor import FamilyFloor
-from ...contact.loads import Implicit, Lagged, Loads
-from ...contact.obstacle import HalfSpace
-from ...contact.softplus import Softplus
-from ...contact.source import Source
+from ...contact.gather.source import Source
+from ...contact.law.loads import Implicit, Lagged, Loads
+from ...contact.obstacles.family_floor import FamilyFloor
+from ...contact.obstacles.obstacle import HalfSpace
+from ...contact.pairs.family import FamilyPairs
+from ...contact.points.softplus import Softplus
 from ...kernels.driver import Driver
 from ...scenario.language.contact import CompatLaw
 from .guards import pairings

@@ -7,12 +7,12 @@ from collections.abc import Iterator
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
-from ...contact.barrier import Stop
-from ...contact.faces import Faces
-from ...contact.guarded import Pairing, RodEdges, SheetEdges, SheetNodes, eased
-from ...contact.guarding import Guarding
-from ...contact.neighbours import Neighbours
-from ...contact.walls import Wall
+from ...contact.guards.guarded import Pairing, RodEdges, SheetEdges, SheetNodes, eased
+from ...contact.guards.guarding import Guarding
+from ...contact.nearby.faces import Faces
+from ...contact.nearby.neighbours import Neighbours
+from ...contact.obstacles.walls import Wall
+from ...contact.points.barrier import Stop
 from ...scenario.language.contact import BarrierLaw, CompatLaw, Law, PenaltyLaw
 
 # The core of soft contact: nothing comes nearer than half the distance at which things touch.

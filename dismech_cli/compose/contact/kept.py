@@ -8,7 +8,7 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...contact.contact import Contact
-from ...contact.guarding import Guarding
+from ...contact.guards.guarding import Guarding
 from ...kinematics.dofs import DofMap
 from ...run.observables.snapshot import Snapshot
 from ...run.validity import Check

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
-from ...contact.lines import Lines
+from ...contact.pieces.lines import Lines
 from ...mesh.measure import edge_lengths
 from ...mesh.topology.sides import half_edges
 from ...scenario.language.force import Gravity, Point

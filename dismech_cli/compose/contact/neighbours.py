@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 
 from ...arrays import FloatArray
-from ...contact.exclusion import near_along
-from ...contact.lines import Lines
-from ...contact.neighbours import Neighbours
+from ...contact.nearby.exclusion import near_along
+from ...contact.nearby.neighbours import Neighbours
+from ...contact.pieces.lines import Lines
 from ..scene import Scene
 from ..structure.structure import Structure
 from .pairs import Tables, body_pairs

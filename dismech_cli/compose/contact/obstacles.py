@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from ...arrays import FloatArray
-from ...contact.cores import BoxCore, LineCore, PointCore, SegmentCore
-from ...contact.obstacle import HalfSpace, Obstacle, Rounded, Shape
-from ...contact.pose import Frame, Pose, rotation
-from ...contact.rigid_surface import RigidSurface
+from ...contact.obstacles.obstacle import HalfSpace, Obstacle, Rounded, Shape
+from ...contact.obstacles.pose import Frame, Pose, rotation
+from ...contact.obstacles.rigid_surface import RigidSurface
+from ...contact.pieces.cores import BoxCore, LineCore, PointCore, SegmentCore
 from ...errors import MeshError
 from ...laws.laws import Constant
 from ...mesh.topology.sides import rim_sides

@@ -11,10 +11,10 @@ import numpy as np
 from ...arrays import FloatArray, IntArray
 from ...contact.contact import Contact
 from ...contact.crossing import crossings
-from ...contact.inside import inside
-from ...contact.pose import Pose
-from ...contact.rigid_surface import RigidSurface
-from ...contact.walls import Wall
+from ...contact.obstacles.pose import Pose
+from ...contact.obstacles.rigid_surface import RigidSurface
+from ...contact.obstacles.walls import Wall
+from ...contact.pieces.inside import inside
 from ...kinematics.dofs import DofMap
 from ...mesh.topology.components import components
 from ...run.observables.snapshot import Snapshot

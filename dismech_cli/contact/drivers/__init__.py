@@ -1,0 +1,1 @@
+"""Who goes through many pairs or points: NumPy or compiled loops."""

@@ -1,0 +1,123 @@
+"""Pairs and points of contact by compiled loops; implements :class:`.loops.Loops`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...arrays import FloatArray, IntArray
+from ...kernels.driver import Driver
+from ...kernels.linearization import Pattern
+from ..gather import slot_loops, sum_loops
+from ..gather.stencils import GeneralPlaces, Stencils
+from ..gather.touching import Touching
+from ..gather.upper_sums import UpperLoops, UpperSums
+from ..nearby import way_loops
+from ..nearby.candidates import Boxes
+from ..nearby.grid import Grid
+from ..pieces import face_loops, line_loops, point_loops
+from ..points.filled import Loop, PointsOf
+from ..points.surface_compiled import Measured, SurfaceLoops
+
+
+@dataclass(frozen=True, slots=True)
+class Compiled:
+    """One after the other."""
+
+    segment_points: PointsOf
+    vertex_points: PointsOf
+    surface: SurfaceLoops
+    grid: Grid
+    upper: UpperSums
+    distances: Loop
+    ways: Loop
+    to_faces: Loop
+    boxes: Loop
+    weighted: Loop
+    blocks: Loop
+    all_slots: Loop
+
+    @classmethod
+    def of(cls, driver: Driver) -> Compiled | None:
+        """The loops of a driver; None where it does not compile."""
+        fill = driver.compiled(point_loops.fill_points)
+        surface, grid, upper = SurfaceLoops.of(driver), Grid.of(driver), UpperSums.of(driver)
+        names = (
+            line_loops.segment_pieces,
+            line_loops.vertex_pieces,
+            line_loops.segment_distances,
+            way_loops.safe_way,
+            face_loops.face_distances,
+            face_loops.boxes_apart,
+            sum_loops.add_weighted,
+            sum_loops.add_blocks,
+            slot_loops.find_all,
+        )
+        loops = [made for one in names if (made := driver.compiled(one)) is not None]
+        if fill is None or surface is None or grid is None or upper is None or len(loops) < len(names):
+            return None
+        segments, vertices, *others = loops
+        return cls(PointsOf(segments, fill, 2), PointsOf(vertices, fill, 1), surface, grid, upper, *others)
+
+    def near_among(self, boxes: Boxes) -> IntArray:
+        """Pairs of boxes that are nearer than both sizes."""
+        return self.grid.near_among(boxes)
+
+    def near_boxes(self, first: Boxes, second: Boxes) -> IntArray:
+        """Pairs of two kinds of boxes that are nearer than both sizes."""
+        return self.grid.near_boxes(first, second)
+
+    def segment_distances(self, x: FloatArray, nodes: IntArray) -> FloatArray:
+        """Distances of lines from segments."""
+        out = np.empty(len(nodes))
+        self.distances(x, nodes, out)
+        return out
+
+    def safe_way(
+        self, x: FloatArray, way: FloatArray, nodes: IntArray, stop: FloatArray, nearest: FloatArray
+    ) -> float:
+        """Part of a way on which no gap of pairs falls below the least one."""
+        return float(self.ways(x, way, nodes, stop, nearest))
+
+    def boxes_apart(self, x: FloatArray, more: FloatArray, nodes: IntArray) -> FloatArray:
+        """Distances of the boxes of lines and triangles at two places of the nodes."""
+        out = np.empty(len(nodes))
+        self.boxes(x, more, nodes, out)
+        return out
+
+    def look(self, x: FloatArray, nodes: IntArray, limit: FloatArray) -> Measured:
+        """Lines and triangles that are nearer than a limit."""
+        out = np.empty(len(nodes))
+        self.to_faces(x, nodes, limit, out)
+        kept = np.flatnonzero(np.isfinite(out))
+        return Measured(x, kept, out[kept], self.surface)
+
+    def face_distances(self, x: FloatArray, nodes: IntArray) -> FloatArray:
+        """Distances of lines from triangles."""
+        out = np.empty(len(nodes))
+        self.to_faces(x, nodes, np.full(len(nodes), np.inf), out)
+        return out
+
+    def symmetric_places(self, stencils: Stencils, pattern: Pattern) -> UpperLoops:
+        """Places of the upper triangles of items."""
+        return self.upper.at(stencils, pattern)
+
+    def general_places(self, stencils: Stencils, pattern: Pattern) -> GeneralPlaces:
+        """Places of the whole matrices of items."""
+        count, size = stencils.dofs.shape
+        slots: IntArray = np.empty((count, size * size), dtype=np.uint32)
+        self.all_slots(pattern.order, pattern.indptr, pattern.indices, stencils.dofs, slots)
+        return GeneralPlaces(slots)
+
+    def add_forces(self, touching: Touching, vector: FloatArray, r: FloatArray) -> None:
+        """Add weights times a vector of each point."""
+        points, stencils = touching.points, touching.stencils
+        self.weighted(stencils.dofs, stencils.axes, points.item, points.weights, vector, r)
+
+    def add_general(
+        self, touching: Touching, places: GeneralPlaces, block: FloatArray, values: FloatArray
+    ) -> None:
+        """Add w_i w_j times a block of each point."""
+        points, axes = touching.points, touching.stencils.axes
+        self.blocks(places.slots, axes, points.item, points.weights, block.reshape(9, -1), values)

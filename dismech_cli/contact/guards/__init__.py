@@ -1,0 +1,1 @@
+"""What keeps a distance, by a barrier and by stopping every motion short of it."""

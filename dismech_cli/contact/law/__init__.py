@@ -1,0 +1,1 @@
+"""How hard things press and rub: formulas of one gap, and what they need to know."""

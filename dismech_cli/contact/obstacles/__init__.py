@@ -1,0 +1,1 @@
+"""Rigid obstacles: their shapes and poses, and the lines that touch them."""

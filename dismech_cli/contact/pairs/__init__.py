@@ -1,0 +1,1 @@
+"""Bodies that touch each other: finds them and remembers which."""

@@ -1,0 +1,193 @@
+"""Lines of bodies that touch each other, either as a line against what the other is made of."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from ...arrays import FloatArray, IntArray
+from ...model.term import Memory
+from ..gather.source import Depths
+from ..gather.stencils import Stencils
+from ..gather.touching import Touching
+from ..law.levels import from_here_on, of_next, shared
+from ..law.stiffness import impact_force
+from ..nearby.candidates import among
+from ..nearby.placed import Placed
+from .search import MARGIN, Search
+
+PAIRS: Final = "contact.pairs"
+
+# Motion within a step may bring lines to half the distance at which they touch, or half as near as they are.
+_NEAREST = 0.5
+
+
+@dataclass(frozen=True, slots=True)
+class Rows:
+    """Items of some pairs: either line against the other, and against vertices within that.
+
+    Attributes:
+        directed: Line and what it faces, shape (2 P, 2): all pairs one way, then the other.
+        segments: Nodes of the line and of the segment, shape (2 P, 4).
+        corners: Nodes of a line and a vertex where two segments that it faces may meet, once for each level
+            of their reach, shape (V, 3).
+        meeting: Of which corner each end of the segments is one side, -1 if of none, shape (2 P, 2).
+        until: Where the levels of each corner end, which ascend, shape (V,).
+    """
+
+    directed: IntArray
+    segments: IntArray
+    corners: IntArray
+    meeting: IntArray
+    until: IntArray
+
+    @classmethod
+    def of(cls, nodes: IntArray, pairs: IntArray, reach: FloatArray) -> Rows:
+        """Of pairs (P, 2) of lines with nodes (E, 2) that touch at some distances (P,) [m]."""
+        directed = np.concatenate((pairs, pairs[:, ::-1]))
+        segments = nodes[directed].reshape(-1, 4)
+        count = int(nodes.max(initial=0)) + 1
+        _, levels = np.unique(reach, return_inverse=True)
+        meeting, first, until = shared(directed[:, :1] * count + segments[:, 2:], np.tile(levels, 2))
+        of, end = np.divmod(first, 2)
+        corners = np.column_stack((segments[of, :2], segments[of, 2 + end]))
+        return cls(directed, segments, corners, meeting, until)
+
+
+class RodPairs:
+    """Finds lines of bodies that touch; implements :class:`.source.Source`."""
+
+    steady = True
+
+    def __init__(self, search: Search) -> None:
+        """Find none yet."""
+        self._all, self._loops, self._search = search.neighbours, search.loops, search
+        self._placed = Placed(PAIRS, self._lay_out)
+
+    def recall(self, memory: Memory) -> None:
+        """Take up the pairs that have places."""
+        self._placed.recall(memory)
+
+    def memory(self, x: FloatArray) -> Memory:
+        """The pairs that have places; if too many of them are far apart, those that are near."""
+        return self._placed.memory(self._search.within(x, MARGIN))
+
+    def detect(self, x: FloatArray) -> bool:
+        """Give places to all pairs nearby if one that touches has none."""
+        return self._placed.detect(self._search.within(x, 0.0), lambda: self._search.within(x, MARGIN))
+
+    def touching(self, x: FloatArray, v: FloatArray, t: float, factor: float) -> Iterator[Touching]:
+        """Lines against segments, and what the vertices between these count too much."""
+        placed = self._placed.keys
+        active = np.flatnonzero(among(placed, self._search.within(x, 0.0)))
+        if not len(active):
+            return
+        rows, count = self._rows, len(placed)
+        both = np.concatenate((active, active + count))
+        reach, stiff = self._reach, self._stiff
+        yield self._touching(0, both, both, reach[both], factor * stiff[both], x, v)
+        met = rows.meeting[both].reshape(-1)
+        sides = from_here_on(np.bincount(met[met >= 0], minlength=len(rows.corners)), rows.until)
+        over = np.maximum(sides - 1, 0)
+        over = over - of_next(over, rows.until)
+        corners = np.flatnonzero(over)
+        if not len(corners):
+            return
+        # of the segments that meet there at a level any has its reach and stiffness: the last does
+        last = np.zeros(len(rows.corners), dtype=np.int64)
+        last[met[met >= 0]] = np.repeat(both, 2)[met >= 0]
+        own = last[corners]
+        scale = -over[corners] * stiff[own]
+        yield self._touching(1, corners, own, reach[own], factor * scale, x, v)
+
+    def velocities(self, touching: Touching, x: FloatArray, v: FloatArray, t: float) -> FloatArray:
+        """Relative velocities at points of contact [m/s], shape (3, K)."""
+        return touching.stencils.relative(touching.points, v)
+
+    @property
+    def stencils(self) -> tuple[Stencils, ...]:
+        """Nodes of lines and segments, and of lines and vertices."""
+        return self._stencils
+
+    def depths(self, x: FloatArray, t: float) -> Depths:
+        """Penetration of pairs of lines, told of the first."""
+        pairs = self._all.pairs(self._search.within(x, 0.0))
+        lines, reach = self._all.lines, self._all.reach(pairs)
+        depth = reach - self._loops.segment_distances(x, self._all.nodes(pairs))
+        shares = depth / lines.radii[pairs].sum(axis=1)
+        return Depths(
+            pairs[:, 0], shares, self._all.labels[lines.bodies[pairs[:, 0]], lines.bodies[pairs[:, 1]]]
+        )
+
+    def needed(self, x: FloatArray, ahead: FloatArray, t: float, dt: float, tolerance: float) -> float:
+        """Factor of the stiffness that stops what comes."""
+        every, lines = self._all, self._all.lines
+        pairs = self._search.reaching(x, ahead)
+        reach, later = every.reach(pairs), self._loops.segment_distances(ahead, every.nodes(pairs))
+        coming = np.flatnonzero(later < reach)
+        if not len(coming):
+            return 0.0
+        pairs, later = pairs[coming], later[coming]
+        now = self._loops.segment_distances(x, every.nodes(pairs))
+        depth = tolerance * lines.radii[pairs].sum(axis=1)
+        mass = lines.masses[pairs]
+        reduced = mass.prod(axis=1) / mass.sum(axis=1)
+        force = impact_force(reduced, np.maximum(now - later, 0.0) / dt, depth, dt)
+        directed = np.concatenate((pairs, pairs[:, ::-1]))
+        # of lines so thick that they are as deep as they may be
+        reach = np.tile(now + depth, 2)
+        points = self._loops.segment_points(
+            x, every.nodes(directed), np.arange(len(directed)), reach, every.factors(directed)
+        )
+        held = np.bincount(points.item % len(pairs), weights=points.load, minlength=len(pairs))
+        return float((force / (held + np.finfo(float).tiny)).max())
+
+    def longest_step(self, x0: FloatArray, x1: FloatArray, t0: float, t1: float) -> float:
+        """Part of the way on which no lines pass through each other."""
+        every = self._all
+        pairs = every.pairs(self._search.coming(x0, x1, _NEAREST))
+        if not len(pairs):
+            return 1.0
+        stop, nearest = np.zeros(len(pairs)), _NEAREST * every.reach(pairs)
+        return self._loops.safe_way(x0, x1 - x0, every.nodes(pairs), stop, nearest)
+
+    def _lay_out(self, keys: IntArray) -> None:
+        """What pairs with these keys touch with."""
+        every, lines = self._all, self._all.lines
+        pairs = every.pairs(keys)
+        touch = every.reach(pairs)
+        self._rows = rows = Rows.of(lines.nodes, pairs, touch)
+        self._stencils = (Stencils(every.map, rows.segments), Stencils(every.map, rows.corners))
+        self._reach = np.tile(touch, 2)
+        self._stiff = every.factors(rows.directed)
+        first, second = lines.bodies[rows.directed].T
+        self._friction = every.friction[first, second]
+        self._labels, self._signs = every.labels[first, second], every.signs[first, second]
+
+    def _touching(
+        self,
+        kind: int,
+        rows: IntArray,
+        owners: IntArray,
+        reach: FloatArray,
+        factor: FloatArray,
+        x: FloatArray,
+        v: FloatArray,
+    ) -> Touching:
+        """Points of contact of some rows of a kind, each with the pair that owns it."""
+        stencils = self._stencils[kind]
+        find = (self._loops.segment_points, self._loops.vertex_points)[kind]
+        points = find(x, stencils.nodes, rows, reach, factor)
+        of = owners[np.searchsorted(rows, points.item)]
+        return Touching(
+            kind=kind,
+            stencils=stencils,
+            points=points,
+            friction=self._friction[of],
+            moving=lambda: stencils.relative(points, v),
+            label=self._labels[of],
+            sign=self._signs[of],
+        )

@@ -1,0 +1,97 @@
+"""Pairs of lines near each other, found anew only when nodes have moved."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+from ...arrays import FloatArray, IntArray
+from ..drivers.loops import Loops
+from ..nearby.neighbours import Neighbours
+
+# In units of the distance at which lines touch: how far the search goes beyond it, and how far beyond it
+# distances are asked for.
+SKIN: Final = 0.5
+MARGIN: Final = 0.25
+# A search ahead goes so many times the thickness farther at most.
+_AHEAD: Final = 4.0
+
+
+class Search:
+    """Finds pairs by distance; what it finds does not depend on when it last looked around.
+
+    Attributes:
+        neighbours: Who may touch.
+        loops: What is done to many pairs at once.
+        candidates: Pairs that may be near, shape (P, 2).
+        reach: Distance at which each touches [m], shape (P,).
+        distance: Distance of each at the places last asked for [m], shape (P,).
+    """
+
+    def __init__(self, neighbours: Neighbours, loops: Loops) -> None:
+        self.neighbours, self.loops = neighbours, loops
+        self._thick = 2.0 * float(neighbours.lines.radii[neighbours.numbers].max(initial=0.0))
+        self.skin = SKIN * self._thick
+        self._searched: FloatArray | None = None
+        self.candidates: IntArray = np.empty((0, 2), dtype=np.int64)
+        self._nodes, self._keys = np.empty((0, 4), dtype=np.int64), np.empty(0, dtype=np.int64)
+        self.reach = self.distance = self._measured = np.empty(0)
+
+    def within(self, x: FloatArray, margin: float) -> IntArray:
+        """Keys of pairs within reach and a margin in units of it, ascending."""
+        self.measure(x)
+        return self._keys[self.distance < (1.0 + margin) * self.reach]
+
+    def measure(self, x: FloatArray) -> None:
+        """Find the candidates and their distances, if those known are not of these places."""
+        self._look(x)
+        if not np.array_equal(x, self._measured):
+            self._measured = x.copy()
+            self.distance = self.loops.segment_distances(x, self._nodes)
+
+    def closer(self, x: FloatArray, share: float) -> IntArray:
+        """Keys of pairs nearer than a share of their reach, 1.25 at most, ascending."""
+        return self.within(x, share - 1.0)
+
+    def coming(self, x0: FloatArray, x1: FloatArray, share: float) -> IntArray:
+        """Keys of pairs that may come nearer than that on a straight way, ascending."""
+        pairs = self.reaching(x0, x1)
+        if pairs is not self.candidates:
+            return self.neighbours.keys(pairs)
+        self.measure(x0)
+        moved = np.sqrt(((x1 - x0) ** 2).sum(axis=1))[self.neighbours.lines.nodes].max(axis=1)
+        near = self.distance - moved[pairs].sum(axis=1) < share * self.reach
+        return np.asarray(self._keys[near])
+
+    def reaching(self, x0: FloatArray, x1: FloatArray) -> IntArray:
+        """Pairs that may come within reach of each other on a way, shape (P, 2)."""
+        used = self.neighbours.lines.nodes[self.neighbours.numbers]
+        moved = 2.0 * float(np.sqrt(((x1 - x0)[used] ** 2).sum(axis=-1)).max(initial=0.0))
+        self._look(x0, moved)
+        return self.candidates if moved + 2.0 * self._strayed(x0) <= self.skin else self.find(x0, moved)
+
+    def find(self, x: FloatArray, more: float) -> IntArray:
+        """Allowed pairs within reach and ``more`` [m], shape (P, 2)."""
+        return self.neighbours.allowed(
+            self.neighbours.numbers[self.loops.near_among(self.neighbours.boxes(x, more))]
+        )
+
+    def _look(self, x: FloatArray, ahead: float = 0.0) -> None:
+        """Search anew if nodes have moved, or will move ahead [m], so far that pairs may be missing."""
+        ahead = min(ahead, _AHEAD * self._thick)
+        room = max(MARGIN * self._thick, ahead)
+        if self._searched is not None and 2.0 * self._strayed(x) <= self.skin - room:
+            return
+        self.skin = SKIN * self._thick + ahead
+        self._searched = x.copy()
+        self.candidates = self.find(x, self.skin)
+        self._nodes = self.neighbours.nodes(self.candidates)
+        self._keys = self.neighbours.keys(self.candidates)
+        self.reach = self.neighbours.reach(self.candidates)
+        self._measured = np.empty(0)
+
+    def _strayed(self, x: FloatArray) -> float:
+        """How far a node has moved since the last search [m]."""
+        assert self._searched is not None
+        return float(np.sqrt(((x - self._searched) ** 2).sum(axis=1).max(initial=0.0)))

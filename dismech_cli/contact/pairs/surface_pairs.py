@@ -1,0 +1,156 @@
+"""Finds lines that touch shells."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import partial
+from typing import Final
+
+import numpy as np
+
+from ...arrays import FloatArray, IntArray
+from ...model.term import Memory
+from ..gather.source import Depths
+from ..gather.stencils import Stencils
+from ..gather.touching import Touching
+from ..law.stiffness import impact_force
+from ..nearby.candidates import among
+from ..nearby.placed import Placed
+from .facing import Facing
+from .surface_search import MARGIN, Candidates, FaceSearch, Seen
+
+LISTED: Final = "contact.faces"
+
+# Motion within a step may bring lines to half the distance at which they touch, or half as near as they are.
+_NEAREST = 0.5
+# A line that comes with a hair's breadth only would ask for any stiffness; no impact asks for more than this.
+_LARGEST = 1e9
+
+
+class SurfacePairs:
+    """Finds lines that touch triangles of shells; implements :class:`.source.Source`."""
+
+    steady = True
+
+    def __init__(self, search: FaceSearch) -> None:
+        """Find none yet."""
+        self._all, self._loops, self._search = search.faces, search.loops, search
+        self._known: tuple[IntArray, IntArray, IntArray] | None = None
+        self._placed = Placed(LISTED, self._lay_out)
+
+    def recall(self, memory: Memory) -> None:
+        """Take up the pairs that have places."""
+        self._placed.recall(memory)
+
+    def memory(self, x: FloatArray) -> Memory:
+        """The pairs that have places; if too many of them are far apart, those that are near."""
+        return self._placed.memory(self._search.look(x).within(MARGIN))
+
+    def detect(self, x: FloatArray) -> bool:
+        """Give places to all pairs nearby if one that touches has none."""
+        seen = self._search.look(x)
+        touching = np.flatnonzero(seen.distance < seen.reach)
+        without = touching[self._rows(seen)[touching] < 0]
+        return self._placed.detect(seen.keys[without], lambda: seen.within(MARGIN))
+
+    def touching(self, x: FloatArray, v: FloatArray, t: float, factor: float) -> Iterator[Touching]:
+        """Lines against triangles, and what sides and corners of these count too much."""
+        facing = self._facing
+        seen = self._search.look(x)
+        rows = self._rows(seen)
+        which = np.flatnonzero((seen.distance < seen.reach) & (rows >= 0))
+        rows = rows[which]
+        scale = factor * self._scale[rows]
+        for kind, points, owner in facing.points(seen.near, which, rows, seen.reach[which], scale):
+            stencils = self._stencils[kind]
+            yield Touching(
+                kind=kind,
+                stencils=stencils,
+                points=points,
+                friction=self._friction[owner],
+                moving=partial(stencils.relative, points, v),
+                label=self._labels[owner],
+                sign=self._signs[owner],
+            )
+
+    def velocities(self, touching: Touching, x: FloatArray, v: FloatArray, t: float) -> FloatArray:
+        """Relative velocities at points of contact [m/s], shape (3, K)."""
+        return touching.stencils.relative(touching.points, v)
+
+    @property
+    def stencils(self) -> tuple[Stencils, ...]:
+        """Nodes of lines with triangles, sides and corners."""
+        return self._stencils
+
+    def depths(self, x: FloatArray, t: float) -> Depths:
+        """Penetration of each line into each body, its deepest."""
+        every, seen = self._all, self._search.look(x)
+        near = np.flatnonzero(seen.distance < seen.reach)
+        pairs = every.pairs(seen.keys[near])
+        shares = (seen.reach - seen.distance)[near] / every.thickness(pairs)
+        labels = every.labels[every.bodies(pairs)]
+        both, of = np.unique(np.column_stack((pairs[:, 0], labels)), axis=0, return_inverse=True)
+        deepest = np.zeros(len(both))
+        np.maximum.at(deepest, of.reshape(-1), shares)
+        return Depths(both[:, 0], deepest, both[:, 1])
+
+    def needed(self, x: FloatArray, ahead: FloatArray, t: float, dt: float, tolerance: float) -> float:
+        """Factor of the stiffness that stops what comes.
+
+        Each line must be stopped by all that it faces together.
+        """
+        every = self._all
+        found = self._search.reaching(x, ahead)
+        keys, nodes, pairs = found.keys, found.nodes, every.pairs(found.keys)
+        later = self._loops.face_distances(ahead, nodes)
+        coming = np.flatnonzero(later < found.reach)
+        if not len(coming):
+            return 0.0
+        lines, of = np.unique(pairs[coming, 0], return_inverse=True)
+        fellows = np.flatnonzero(np.isin(pairs[:, 0], lines))
+        near = self._loops.look(x, nodes[fellows], np.full(len(fellows), np.inf))
+        now = np.zeros(len(pairs))
+        now[fellows] = near.distance
+        mass, other = every.masses[pairs[coming, 0]], every.surface.masses[pairs[coming, 1]]
+        depth = tolerance * every.thickness(pairs)
+        approach = np.maximum(now - later, 0.0)[coming] / dt
+        force, nearest = np.zeros(len(lines)), np.full(len(lines), np.inf)
+        np.maximum.at(force, of, impact_force(mass * other / (mass + other), approach, depth[coming], dt))
+        np.minimum.at(nearest, of, (now + depth)[coming])
+        # of lines so thick that they are as deep as they may be
+        reach = nearest[np.searchsorted(lines, pairs[fellows, 0])]
+        inside = np.flatnonzero(now[fellows] < reach)
+        facing = Facing.of(every, keys[fellows[inside]])
+        rows = np.arange(len(inside))
+        held = np.zeros(len(every.lines.nodes))
+        scale = every.factor(facing.pairs)
+        for _, points, owner in facing.points(near, inside, rows, reach[inside], scale):
+            np.add.at(held, facing.pairs[owner, 0], points.load)
+        return float((force / np.maximum(held[lines], force / _LARGEST + np.finfo(float).tiny)).max())
+
+    def longest_step(self, x0: FloatArray, x1: FloatArray, t0: float, t1: float) -> float:
+        """Part of the way on which no line passes through a triangle."""
+        keys = self._search.coming(x0, x1, _NEAREST)
+        if not len(keys):
+            return 1.0
+        found = Candidates.of(self._all, keys)
+        return self._loops.safe_way(x0, x1 - x0, found.nodes, np.zeros(len(keys)), _NEAREST * found.reach)
+
+    def _rows(self, seen: Seen) -> IntArray:
+        """Which of the pairs that have places those seen are, -1 if none, shape (P,)."""
+        candidates, placed = self._search.candidates.keys, self._placed.keys
+        if self._known is None or self._known[0] is not candidates or self._known[1] is not placed:
+            rows = np.where(among(candidates, placed), np.searchsorted(placed, candidates), -1)
+            self._known = candidates, placed, rows
+        return np.asarray(self._known[2][seen.near.kept])
+
+    def _lay_out(self, keys: IntArray) -> None:
+        """What pairs with these keys touch with."""
+        self._facing = Facing.of(self._all, keys)
+        every, junctions = self._all, self._facing.junctions
+        self._scale = every.factor(self._facing.pairs)
+        line, face = every.bodies(self._facing.pairs)
+        self._friction, self._labels = every.friction[line, face], every.labels[line, face]
+        self._signs = every.signs[line, face]
+        kinds = (self._facing.nodes, junctions.sides, junctions.corners)
+        self._stencils = tuple(Stencils(self._all.map, nodes) for nodes in kinds)

@@ -1,0 +1,1 @@
+"""Points of contact: what each adds to energy, force and stiffness."""

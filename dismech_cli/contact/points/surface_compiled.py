@@ -1,0 +1,100 @@
+"""Points of contact of lines with surfaces by compiled loops: what :mod:`.surface_points` does in batches."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...arrays import FloatArray, IntArray
+from ...kernels.driver import Driver
+from ..pieces import junction_loops, line_loops, point_loops
+from ..pieces.face_loops import MOST_PIECES
+from ..pieces.surface import Faced
+from .filled import Filler, Loop
+from .points import Points
+
+
+class SurfaceLoops:
+    """The loops, with buffers that are kept."""
+
+    def __init__(self, loops: list[Loop], fill: Loop) -> None:
+        self._faces, self._junctions, self._net, self._sides, self._corners = loops
+        self._fill = tuple(Filler(fill, faced, 0) for faced in (3, 2, 1))
+        self._capacity = -1
+
+    @classmethod
+    def of(cls, driver: Driver) -> SurfaceLoops | None:
+        """The loops of a driver; None where it does not compile."""
+        names = (
+            junction_loops.face_spans,
+            junction_loops.junction_spans,
+            junction_loops.net_spans,
+            junction_loops.side_pieces,
+            junction_loops.corner_pieces,
+            point_loops.fill_points,
+        )
+        *loops, fill = [driver.compiled(one) for one in names]
+        found = [one for one in loops if one is not None]
+        return None if fill is None or len(found) < len(loops) else cls(found, fill)
+
+    def points(self, x: FloatArray, faced: Faced) -> tuple[Points, Points, Points]:
+        """See :meth:`.loops.Near.points`."""
+        j = faced.junctions
+        self._grow(MOST_PIECES * len(faced.rows) + 2 * len(j.sides) + len(j.corners))
+        counts = np.zeros(3, dtype=np.int64)
+        shared, rows = faced.shared, faced.rows
+        reach, spans = faced.reach[rows], (*self._spans[0], *self._spans[1], counts)
+        self._faces(
+            x, faced.nodes, rows, reach, j.sides_of, j.corners_of, self._item, self._tables[0], *spans
+        )
+        self._junctions(x, j.sides, shared.side_times, j.ends, shared.corner_times, *spans)
+        whole = self._fill[0](int(counts[0]), rows, self._item, self._tables[0], reach, faced.factor[rows])
+        return (
+            whole,
+            self._shared(1, self._sides, x, j.sides, int(counts[1]), shared.side_owner, faced),
+            self._shared(2, self._corners, x, j.corners, int(counts[2]), shared.corner_owner, faced),
+        )
+
+    def _shared(
+        self, kind: int, find: Loop, x: FloatArray, nodes: IntArray, count: int, owner: IntArray, faced: Faced
+    ) -> Points:
+        """Points with sides or corners."""
+        group, span = self._spans[kind - 1]
+        found = self._net(group, span, count, len(nodes), self._group, self._span)
+        group, span = self._group[:found].copy(), self._span[:found]
+        row = owner[group]
+        reach, factor = faced.reach[row], faced.factor[row]
+        pieces = find(x, nodes, group, span, reach, self._item, self._tables[kind])
+        return self._fill[kind](pieces, group, self._item, self._tables[kind], reach, factor * span[:, 2])
+
+    def _grow(self, capacity: int) -> None:
+        """Make room for so many pieces or spans; pages that are never written cost nothing."""
+        if capacity <= self._capacity:
+            return
+        self._capacity = size = 2 * capacity
+        self._item = np.empty(2 * size, dtype=np.int64)
+        self._tables = tuple(np.empty((2 * size, line_loops.piece_columns(faced))) for faced in (3, 2, 1))
+        self._spans = tuple((np.empty(size, dtype=np.int64), np.empty((size, 3))) for _ in range(2))
+        self._group, self._span = np.empty(2 * size, dtype=np.int64), np.empty((2 * size, 3))
+
+
+@dataclass(frozen=True, slots=True)
+class Measured:
+    """Lines and triangles whose distance is known; implements :class:`.loops.Near`.
+
+    Attributes:
+        x: The nodes [m], shape (N, 3).
+        kept: Which of the pairs these are, shape (K,).
+        distance: Of these [m], shape (K,).
+        loops: Find their points of contact.
+    """
+
+    x: FloatArray
+    kept: IntArray
+    distance: FloatArray
+    loops: SurfaceLoops
+
+    def points(self, faced: Faced) -> tuple[Points, Points, Points]:
+        """Points of contact with triangles, and with the sides and corners that these share."""
+        return self.loops.points(self.x, faced)
