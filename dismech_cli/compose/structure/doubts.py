@@ -10,14 +10,12 @@ from scipy.spatial import KDTree
 
 from ...arrays import FloatArray, IntArray
 from ...mesh.measure import corner_angles
-from ...mesh.topology.components import components
-from ...mesh.topology.sides import half_edges
 from ...scenario.language.motion import Clamp
 from ...scenario.language.numerics import Static
-from ..bodies.geometry import Geometry
 from ..scene import Scene
 from ..shells.bending import bending_of
 from .holds import Hold
+from .parts import adrift, find_parts, in_parts
 
 # 0 on equilateral nets, whatever their rims; 8 on unstructured ones, 10 on discs, 21 on right angles.
 _UNEVEN = 6.0
@@ -25,8 +23,6 @@ _UNEVEN = 6.0
 _TURNED = 0.5
 # Nodes nearer than this fraction of the size of the scene were meant to be one.
 _SAME_PLACE = 1e-9
-# A rigid motion is held that moves held nodes by more, in squares of its size.
-_HELD = 1e-9
 
 
 def scene_doubts(scene: Scene, holds: tuple[Hold, ...]) -> Iterator[str]:
@@ -36,8 +32,10 @@ def scene_doubts(scene: Scene, holds: tuple[Hold, ...]) -> Iterator[str]:
     yield from _twisted_sections(scene)
     yield from _single_rows(scene, holds)
     yield from _touching(scene)
+    parts = find_parts(scene.geometry)
+    yield from in_parts(scene, parts)
     if isinstance(scene.scenario.numerics.integrator, Static):
-        yield from _adrift(scene, holds)
+        yield from adrift(scene, parts, holds)
 
 
 def _twisted_sections(scene: Scene) -> Iterator[str]:
@@ -126,71 +124,3 @@ def _touching(scene: Scene) -> Iterator[str]:
                 f"'{one}' and '{two}' touch, with nodes at the same place ({here}), but nothing joins them; "
                 "if they belong together, add a joint, or joints: auto",
             )
-
-
-def _adrift(scene: Scene, holds: tuple[Hold, ...]) -> Iterator[str]:
-    """Bodies that a static scene leaves free to move or turn as a whole."""
-    geometry = scene.geometry
-    sides = np.concatenate((geometry.edges, half_edges(geometry.triangles)))
-    _, part = components(len(geometry.nodes), sides)
-    planar = scene.scenario.dimension == 2
-    motions = _planar_motions(scene.scenario.plane) if planar else np.arange(6)
-    told: set[int] = set()
-    for key, body in enumerate(scene.scenario.geometry):
-        label = int(part[geometry.body_nodes[body.name][0]])
-        if label in told:
-            continue
-        told.add(label)
-        left = len(motions) - _held_motions(geometry, holds, part == label, motions)
-        if left:
-            yield scene.loaded.warning(
-                ("geometry", key),
-                f"nothing holds '{body.name}' in {left} of the {len(motions)} ways to move or turn as a "
-                "whole: where it rests is left to rounding, if it rests at all",
-            )
-
-
-def _planar_motions(plane: str) -> IntArray:
-    """Of three translations and three rotations, those within a plane."""
-    inside = ["xyz".index(axis) for axis in plane]
-    (normal,) = {0, 1, 2}.difference(inside)
-    return np.array([*inside, 3 + normal])
-
-
-def _held_motions(geometry: Geometry, holds: tuple[Hold, ...], member: IntArray, motions: IntArray) -> int:
-    """Number of rigid motions of the member nodes that the holds leave none of."""
-    nodes = np.flatnonzero(member)
-    middle = geometry.nodes[nodes].mean(axis=0)
-    size = float(np.linalg.norm(geometry.nodes[nodes] - middle, axis=1).max())
-    rows: list[FloatArray] = []
-    for hold in holds:
-        held = np.intersect1d(hold.nodes, nodes)
-        arms = (geometry.nodes[held] - middle) / size
-        for axis in hold.axes:
-            unit = np.eye(3)[axis]
-            rows.append(np.hstack((np.tile(unit, (len(held), 1)), np.cross(arms, unit))))
-        rows += _held_turning(geometry, hold, held)
-    if not rows:
-        return 0
-    matrix = np.concatenate(rows)[:, motions]
-    return int((np.linalg.eigvalsh(matrix.T @ matrix) > _HELD).sum())
-
-
-def _held_turning(geometry: Geometry, hold: Hold, held: IntArray) -> Iterator[FloatArray]:
-    """Rows of the rotations that a hold of the held nodes prevents by itself."""
-    still = np.zeros((3, 3))
-    at_walls = np.isin(geometry.edges, np.intersect1d(hold.walls, held)).any(axis=1)
-    at_hubs = np.isin(geometry.turning.ends, hold.hubs) & np.isin(geometry.edges, held)
-    if at_walls.any() or at_hubs.any() or np.isin(geometry.edges[hold.edges], held).all(axis=1).any():
-        yield np.hstack((still, np.eye(3)))
-    for k, shell in enumerate(geometry.shells):
-        if not bending_of(shell).has_normals:
-            continue
-        triangles = geometry.triangles[geometry.triangle_shell == k]
-        sides = half_edges(triangles)
-        sides = sides[np.isin(sides, np.intersect1d(hold.sloped, held)).all(axis=1)]
-        if len(sides):
-            # the normal at a side does not turn about it
-            directions = geometry.nodes[sides[:, 1]] - geometry.nodes[sides[:, 0]]
-            directions /= np.linalg.norm(directions, axis=1)[:, None]
-            yield np.hstack((np.zeros_like(directions), directions))
