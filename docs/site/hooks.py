@@ -23,6 +23,7 @@ PAGES = (
     "scenarios/README.md",
     "benchmarks/RESULTS.md",
     "benchmarks/results/memory.md",
+    "benchmarks/results/published.md",
     "CHANGELOG.md",
     "CONTRIBUTING.md",
 )

@@ -257,7 +257,7 @@ BODIES = {
             },
         ),
         starts_displaced,
-        classes=frozenset({"FromDisplacements", "Displaced", "PositionFile"}),
+        classes=frozenset({"PositionFile"}),
         files={"d.csv": "0 0\n0 0.1\n0 0.2\n0 0.3\n"},
     ),
     "equal hinges": Rare(
