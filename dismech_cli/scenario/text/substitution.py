@@ -9,26 +9,22 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Final, TypeAlias
+from typing import Final
 
 from . import repeat
-from .amount import Amount
-from .formula import FormulaError, evaluate
-from .parameters import INDEX, KEY, Parameter, unknown
+from .filling import Filling, is_name
+from .formula import FormulaError
+from .parameters import KEY, Parameter
 from .problems import Problem, ProblemsError
 from .tree import MAX_NODES, TOO_MANY, KeyPath, Node, Scalar, describe, point
 from .turning import placed_body, placed_joint
 
 PROSE: Final = frozenset({"description", "source"})
 _ARITHMETIC: Final = "expression"
-_PART: Final = re.compile(r"\$\$|\$\{[^{}$]*\}|\$[A-Za-z_][A-Za-z0-9_]*|\$")
 _LATER: Final = "sweep"
 """Section whose values are those of points: a formula in it is computed where the point sets it."""
-_IN_NAME: Final = re.compile(r"[A-Za-z0-9_.](?:\$\$)*\$(?!\$)")
-_Shown: TypeAlias = Callable[[Amount], str]
 _CURLING: Final = frozenset({"curvature_1", "curvature_2"})
 
 
@@ -215,73 +211,34 @@ class _Walker:
     def _text(self, node: Node, text: str, path: KeyPath, index: int | None) -> Node:
         if "$" not in text.replace("$$", ""):
             return replace(node, value=text.replace("$$", "$"))
-        met: dict[str, str] = {}
+        filling = Filling(self.parameters, index, self.used)
         try:
             if path and path[-1] == _ARITHMETIC:
-                value: Scalar = self._filled(text, met, index, lambda amount: f"({amount.value!r})")
-            elif _IN_NAME.search(text):
-                value = self._named(text, met, index)
+                value: Scalar = filling.arithmetic(text)
+            elif is_name(text):
+                value = filling.name(text)
             else:
-                value = self._amount(text, met, index).scalar()
+                value = filling.amount(text).scalar()
                 self.numbers.add(path)
         except FormulaError as error:
             self.problems.append(Problem(node.mark, path, _unreadable(text, str(error))))
             return node
-        formula = " with ".join(filter(None, (describe(text), " and ".join(met.values()))))
+        formula = " with ".join(filter(None, (describe(text), " and ".join(filling.met.values()))))
         return replace(node, value=value, formula=formula)
 
     def _name(self, key: str, node: Node, path: KeyPath, index: int | None) -> str:
         """A key with the numbers of its copy."""
         try:
-            return self._named(key, {}, index) if "$" in key.replace("$$", "") else key.replace("$$", "$")
+            return Filling(self.parameters, index, self.used).name(key)
         except FormulaError as error:
             self.problems.append(Problem(node.mark, path, f"{error}, in the name {key!r}"))
             return key
-
-    def _named(self, text: str, met: dict[str, str], index: int | None) -> str:
-        if index is None:
-            raise FormulaError("a name or path takes no parameters; a dollar sign is written $$")
-        return self._filled(text, met, index, _counted)
-
-    def _filled(self, text: str, met: dict[str, str], index: int | None, shown: _Shown) -> str:
-        """A text whose parameters are replaced one by one."""
-
-        def one(match: re.Match[str]) -> str:
-            part = match[0]
-            if part == "$$":
-                return "$"
-            if part == "$":
-                raise FormulaError("a name in letters must follow '$'; a dollar sign is written $$")
-            return shown(self._amount(part, met, index))
-
-        return _PART.sub(one, text)
-
-    def _amount(self, text: str, met: dict[str, str], index: int | None) -> Amount:
-        def amount(name: str) -> Amount:
-            if name == INDEX and index is not None:
-                met[name] = f"{INDEX} = {index}"
-                return Amount(index)
-            if name not in self.parameters:
-                raise KeyError(unknown(name, self.parameters))
-            parameter = self.parameters[name]
-            self.used.add(name)
-            met[name] = f"{name} = {parameter.amount} at {parameter.origin}"
-            return parameter.amount
-
-        return evaluate(text, amount)
 
 
 def _unreadable(text: str, reason: str) -> str:
     """Why a text is no formula; whoever meant none is told how to write it."""
     shown = reason if text in reason else f"{reason}, in {describe(text)}"
     return f"{shown}; a dollar sign is written $$" if reason.startswith("cannot read") else shown
-
-
-def _counted(amount: Amount) -> str:
-    number = amount.scalar()
-    if not isinstance(number, int):
-        raise FormulaError(f"a name takes whole numbers, got {amount}")
-    return str(number)
 
 
 def _repeats(item: Node) -> bool:
