@@ -49,6 +49,24 @@ def test_golden_override(folder: Folder) -> None:
     )
 
 
+@pytest.mark.parametrize(
+    ("added", "told"),
+    [
+        ("dt: 1 ms\n", "dt: unknown key here, a key of 'numerics'; known: 'actuation'"),
+        (
+            "contact: {obstacles: []}\n",
+            "contact.obstacles: unknown key here, a key of the scenario itself; known:",
+        ),
+        (
+            "contact: {friction: 0.5}\n",
+            "contact.friction: expected a mapping with 'coefficient', 'slip_length'",
+        ),
+    ],
+)
+def test_a_key_elsewhere_and_keys_of_a_mapping_are_told(folder: Folder, added: str, told: str) -> None:
+    assert told in _first(_message(folder, SCENE + added))
+
+
 def test_all_faults_at_once_in_order(folder: Folder) -> None:
     text = SCENE.replace("2 MPa", "2 Mpa").replace("radius: 1 mm", "radius: -1 mm").replace("t_end", "tend")
     lines = [line for line in _message(folder, text).splitlines() if line.startswith("scene")]

@@ -38,6 +38,13 @@ def kinds_with_key(data: Any, path: KeyPath, key: str) -> list[str]:
     ]
 
 
+def places_with_key(data: Any, path: KeyPath, key: str) -> list[KeyPath]:
+    """Where else a key is known: around ``path``, nearest first; else in sections of the scenario."""
+    around = [path[:n] for n in reversed(range(len(path))) if key in known_keys(data, path[:n])]
+    sections: list[KeyPath] = [(name,) for name in _schema()["properties"] if name not in path[:1]]
+    return around or [section for section in sections if key in known_keys({section[0]: {}}, section)]
+
+
 def _at(data: Any, path: KeyPath) -> tuple[list[dict[str, Any]], Any]:
     """The schemas and the value at ``path``."""
     schemas = [_schema()]

@@ -9,7 +9,7 @@ from pydantic_core import ErrorDetails
 
 from ...words import did_you_mean, hint, listed
 from ..text.tree import KeyPath, describe
-from .known_keys import kinds_with_key, known_keys
+from .known_keys import kinds_with_key, known_keys, places_with_key
 
 _BOUNDS: Final = {
     "greater_than": ("greater than", "gt"),
@@ -51,10 +51,7 @@ def message(detail: ErrorDetails, data: Any, path: KeyPath) -> str:
     if kind == "missing":
         return "missing key"
     if kind == "extra_forbidden":
-        known = known_keys(data, path[:-1])
-        if kinds := kinds_with_key(data, path[:-1], str(path[-1])):
-            return f"unknown key here: it is one of {listed(kinds)}"
-        return f"unknown key{hint(str(path[-1]), known) or '; known: ' + listed(known, 'and')}"
+        return _unknown_key(data, path[:-1], str(path[-1]))
     if kind == "literal_error":
         return f"expected {context['expected']}, got {describe(given)}{_hint(given, context['expected'])}"
     if kind == "union_tag_invalid":
@@ -67,7 +64,7 @@ def message(detail: ErrorDetails, data: Any, path: KeyPath) -> str:
     if kind == "one_key":
         return _one_key(given, detail["msg"].split())
     if kind in _EXPECTED:
-        return f"expected {_EXPECTED[kind]}, got {describe(given)}"
+        return f"expected {_EXPECTED[kind]}{_with_keys(kind, data, path)}, got {describe(given)}"
     if kind in ("too_short", "too_long"):
         return _length(context, kind)
     if kind in _BOUNDS:
@@ -82,6 +79,28 @@ def message(detail: ErrorDetails, data: Any, path: KeyPath) -> str:
             f"not a usable name: too long, at most {context['max_length']} characters, got {len(str(given))}"
         )
     return str(detail["msg"])
+
+
+def _unknown_key(data: Any, path: KeyPath, key: str) -> str:
+    """Where a key belongs that is not known in the mapping at ``path``, or what is known there."""
+    if kinds := kinds_with_key(data, path, key):
+        return f"unknown key here: it is one of {listed(kinds)}"
+    known = known_keys(data, path)
+    if near := hint(key, known):
+        return f"unknown key{near}"
+    places = places_with_key(data, path, key)
+    elsewhere = f" here, a key {_within(places[0])}" if places else ""
+    return f"unknown key{elsewhere}; known: {listed(known, 'and')}"
+
+
+def _within(path: KeyPath) -> str:
+    return f"of {'.'.join(map(str, path))!r}" if path else "of the scenario itself"
+
+
+def _with_keys(kind: str, data: Any, path: KeyPath) -> str:
+    """What the mapping that is expected at ``path`` may have."""
+    known = known_keys(data, path) if kind.startswith("model") else []
+    return f" with {listed(known, 'and')}" if known else ""
 
 
 def _name(given: str) -> str:
