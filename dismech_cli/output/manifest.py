@@ -31,7 +31,6 @@ _PACKAGES = (
     "pydantic",
     "pypardiso",
     "numba",
-    "pyvista",
     "vtk",
 )
 

@@ -62,7 +62,7 @@ class Job:
 
     Attributes:
         run_dir: The run.
-        renderer: ``pyvista`` or ``matplotlib``.
+        renderer: ``vtk`` or ``matplotlib``.
         settings: What the pictures show.
         framing: The camera of each shot.
         field: The field that colours the bodies, or None.

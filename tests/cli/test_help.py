@@ -32,7 +32,18 @@ COMMANDS = (
     "schema",
     "doctor",
 )
-HEAVY = ("numpy", "scipy", "h5py", "pyvista", "vtk", "pydantic", "meshio", "matplotlib", "imageio", "numba")
+HEAVY = (
+    "numpy",
+    "scipy",
+    "h5py",
+    "vtk",
+    "vtkmodules",
+    "pydantic",
+    "meshio",
+    "matplotlib",
+    "imageio",
+    "numba",
+)
 
 LOOK = """
 import json, sys
