@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import Any, Final
 
 _KEY, _FILL = ((-0.7, 1.1, 1.3), 0.88, "fffaf2"), ((1.2, -0.1, 0.9), 0.38, "e2ebff")
-_AMBIENT, _DIFFUSE, _SPECULAR = 0.42, 0.66, 0.22
+_AMBIENT, _DIFFUSE, _SPECULAR, _POWER = 0.42, 0.66, 0.22, 30.0
 # Light alone would make a pale shape dark on one side.
 _FADED: Final = (0.78, 0.24, 0.0)
 
@@ -59,6 +59,7 @@ def shade(actor: Any, *, smooth: bool, parallel: bool) -> None:
     material.SetAmbient(_AMBIENT)
     material.SetDiffuse(_DIFFUSE)
     material.SetSpecular(_SPECULAR)
+    material.SetSpecularPower(_POWER)
     # Surfaces are closed: hiding what is turned away halves the work, and thin shells do not flicker.
     material.BackfaceCullingOn()
     (material.SetInterpolationToPhong if smooth else material.SetInterpolationToFlat)()
