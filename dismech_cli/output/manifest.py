@@ -31,6 +31,7 @@ _PACKAGES = (
     "pydantic",
     "pypardiso",
     "numba",
+    "pyvista",
     "vtk",
 )
 

@@ -1,4 +1,4 @@
-"""Parts on the stage of VTK."""
+"""Parts on the stage of pyvista."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ..arrays import FloatArray
 from .coloring import Colors
 from .parts import Part
-from .polydata import as_vtk, make_actor, set_faces, set_points, surface
+from .polydata import make_actor, surface
 from .shading import shade
 
 _MESH_COLOR, _MESH_OPACITY = (0x10 / 255, 0x18 / 255, 0x20 / 255), 0.3
@@ -45,10 +45,9 @@ class PartActor:
         self.actor: Any = make_actor(self._surface)
         shade(self.actor, smooth=smooth, parallel=parallel)
         if mesh and part.meshed:
-            look = self.actor.GetProperty()
-            look.EdgeVisibilityOn()
-            look.SetEdgeColor(*_MESH_COLOR)
-            look.SetEdgeOpacity(_MESH_OPACITY)
+            self.actor.prop.show_edges = True
+            self.actor.prop.edge_color = _MESH_COLOR
+            self.actor.prop.edge_opacity = _MESH_OPACITY
 
     def move(self, t: float, positions: FloatArray) -> None:
         """Place it."""
@@ -59,12 +58,12 @@ class PartActor:
             # what a failed run left is cut out
             self._torn = not finite.all()
             self.faces = self.part.faces[finite[self.part.faces].all(axis=1)]
-            set_faces(self._surface, self.faces)
+            self._surface.regular_faces = self.faces if len(self.faces) else 0 * self.part.faces[:1]
             self.points[~finite] = 0.0
             normals = np.nan_to_num(normals)
-        set_points(self._surface, self.points)
-        self._surface.GetPointData().SetNormals(as_vtk(normals.astype(np.float32)))
+        self._surface.points = self.points
+        self._surface.point_data.active_normals = normals.astype(np.float32)
 
     def paint(self, colors: Colors) -> None:
         """Give each vertex a colour, shape (V, 3)."""
-        self._surface.GetPointData().SetScalars(as_vtk(colors))
+        self._surface.point_data.set_scalars(colors, "rgb")

@@ -22,7 +22,7 @@ from .settings import Image
 # Starting a process costs as much as drawing some dozens of frames.
 _MANY_FRAMES = 60
 # What draws unless it cannot; trying it out beforehand would cost as much as drawing some dozens of frames.
-_PREFERRED: RendererName = "vtk"
+_PREFERRED: RendererName = "pyvista"
 # A process that is ahead of the others may go on by this many pictures.
 _AHEAD = 6
 

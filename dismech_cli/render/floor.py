@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ..arrays import FloatArray
 from .actors import PartActor
 from .framing import Framing
-from .polydata import as_vtk, make_actor, set_faces, set_points, surface
+from .polydata import make_actor, surface
 from .window import Window
 
 _RESOLUTION = 256
@@ -32,8 +32,7 @@ class Floor:
             origin: What positions on the stage are relative to [m].
             renderer: The stage.
         """
-        from vtkmodules.vtkCommonDataModel import vtkImageData
-        from vtkmodules.vtkRenderingCore import vtkTexture
+        import pyvista as pv
 
         self._height = framing.floor - origin[2] - 1e-3 * framing.half_height
         self._slope = _light(framing.basis)
@@ -43,15 +42,14 @@ class Floor:
         corners = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], dtype=np.float32)
         points = np.zeros((4, 3), dtype=np.float32)
         self._plane: Any = surface(points, np.array([[0, 1, 2], [0, 2, 3]]))
-        self._plane.GetPointData().SetTCoords(as_vtk(corners))
-        self._image: Any = vtkImageData()
-        self._image.SetDimensions(_RESOLUTION, _RESOLUTION, 1)
-        texture = vtkTexture()
-        texture.SetInputData(self._image)
-        texture.InterpolateOn()
+        self._plane.active_texture_coordinates = corners
+        self._image: Any = pv.ImageData(dimensions=(_RESOLUTION, _RESOLUTION, 1))
+        make_texture: Any = pv.Texture
+        texture = make_texture(self._image)
+        texture.interpolate = True
         actor = make_actor(self._plane)
-        actor.SetTexture(texture)
-        actor.GetProperty().LightingOff()
+        actor.texture = texture
+        actor.prop.lighting = False
         # the shade is translucent whatever VTK finds in the texture of the moment
         actor.ForceTranslucentOn()
         renderer.AddActor(actor)
@@ -65,8 +63,9 @@ class Floor:
             points = actor.points
             flat = points[:, :2] - (points[:, 2:] - self._height) * self._slope
             lower, upper = np.minimum(lower, flat.min(axis=0)), np.maximum(upper, flat.max(axis=0))
-            set_points(shadow, np.column_stack((flat, np.zeros(len(flat), dtype=np.float32))))
-            set_faces(shadow, actor.faces)
+            shadow.points = np.column_stack((flat, np.zeros(len(flat), dtype=np.float32)))
+            if len(actor.faces) != shadow.n_cells:
+                shadow.regular_faces = actor.faces
         middle = (lower + upper) / 2
         half = (0.5 + _ROOM) * float((upper - lower).max())
         self._window.aim(np.eye(3), np.array([*middle, 0.0]), half, 1.0, 0.9)
@@ -78,17 +77,17 @@ class Floor:
         image[..., :3] = _SHADE
         # VTK counts rows from the foot
         image[..., 3] = (255 * _DARKNESS * soft[::-1]).astype(np.uint8)
-        self._image.GetPointData().SetScalars(as_vtk(image.reshape(-1, 4)))
+        self._image.point_data.set_scalars(image.reshape(-1, 4), "shade")
         self._image.Modified()
         x, y = np.stack((middle - half, middle + half), axis=1)
         corners = np.array([[x[0], y[0]], [x[1], y[0]], [x[1], y[1]], [x[0], y[1]]])
-        set_points(self._plane, np.column_stack((corners, np.full(4, self._height))).astype(np.float32))
+        self._plane.points = np.column_stack((corners, np.full(4, self._height))).astype(np.float32)
 
     def _shadow(self, actor: PartActor) -> Any:
         """The surface of a part, white whatever lights there are."""
         shadow = surface(actor.points, actor.faces)
         shown = make_actor(shadow)
-        shown.GetProperty().LightingOff()
+        shown.prop.lighting = False
         self._window.renderer.AddActor(shown)
         return shadow
 

@@ -62,7 +62,7 @@ class Job:
 
     Attributes:
         run_dir: The run.
-        renderer: ``vtk`` or ``matplotlib``.
+        renderer: ``pyvista`` or ``matplotlib``.
         settings: What the pictures show.
         framing: The camera of each shot.
         field: The field that colours the bodies, or None.

@@ -10,7 +10,7 @@ from typing import Literal
 from ..errors import RenderError
 from . import child
 
-RendererName = Literal["vtk", "matplotlib"]
+RendererName = Literal["pyvista", "matplotlib"]
 
 _TIMEOUT = 120.0  # [s], generous: the first import of VTK from a cold disk takes long
 
@@ -30,7 +30,7 @@ def find_renderer() -> RendererName:
     """
     reason = _try_vtk()
     if reason is None:
-        return "vtk"
+        return "pyvista"
     if find_spec("matplotlib") is not None:
         return "matplotlib"
     raise RenderError(_ADVICE.format(reason=reason))
@@ -65,7 +65,7 @@ def draw_triangle() -> None:
     window = Window((64, 64), (255, 255, 255), oversampling=1)
     points = np.array([[-0.5, -0.5, 0.0], [0.5, -0.5, 0.0], [0.0, 0.5, 0.0]], dtype=np.float32)
     triangle = make_actor(surface(points, np.array([[0, 1, 2]])))
-    triangle.GetProperty().SetColor(0.0, 0.0, 0.0)
+    triangle.prop.color = "black"
     window.renderer.AddActor(triangle)
     window.aim(np.eye(3), np.zeros(3), 1.0, 4.0, 2.0)
     image, _ = window.shoot()

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Any, Final
 
-_KEY, _FILL = ((-0.7, 1.1, 1.3), 0.88, "fffaf2"), ((1.2, -0.1, 0.9), 0.38, "e2ebff")
+_KEY, _FILL = ((-0.7, 1.1, 1.3), 0.88, "#fffaf2"), ((1.2, -0.1, 0.9), 0.38, "#e2ebff")
 _AMBIENT, _DIFFUSE, _SPECULAR, _POWER = 0.42, 0.66, 0.22, 30.0
 # Light alone would make a pale shape dark on one side.
 _FADED: Final = (0.78, 0.24, 0.0)
@@ -36,15 +36,12 @@ _END: Final = """
 
 def add_lights(renderer: Any) -> None:
     """Key and fill light that turn with the camera, so that every view is lit alike."""
-    from vtkmodules.vtkRenderingCore import vtkLight
+    import pyvista as pv
 
     for position, intensity, color in (_KEY, _FILL):
-        light = vtkLight()
-        light.SetLightTypeToCameraLight()
-        light.SetPosition(*position)
-        light.SetIntensity(intensity)
-        light.SetColor(*(channel / 255 for channel in bytes.fromhex(color)))
-        renderer.AddLight(light)
+        renderer.AddLight(
+            pv.Light(position=position, intensity=intensity, color=color, light_type="camera light")
+        )
 
 
 def shade(actor: Any, *, smooth: bool, parallel: bool) -> None:
@@ -55,14 +52,12 @@ def shade(actor: Any, *, smooth: bool, parallel: bool) -> None:
         smooth: Whether normals are averaged over the facets.
         parallel: Whether all lines of sight are parallel.
     """
-    material = actor.GetProperty()
-    material.SetAmbient(_AMBIENT)
-    material.SetDiffuse(_DIFFUSE)
-    material.SetSpecular(_SPECULAR)
-    material.SetSpecularPower(_POWER)
+    material = actor.prop
+    material.ambient, material.diffuse, material.specular = _AMBIENT, _DIFFUSE, _SPECULAR
+    material.specular_power = _POWER
     # Surfaces are closed: hiding what is turned away halves the work, and thin shells do not flicker.
-    material.BackfaceCullingOn()
-    (material.SetInterpolationToPhong if smooth else material.SetInterpolationToFlat)()
+    material.culling = "back"
+    material.interpolation = "phong" if smooth else "flat"
     eye = "vec3(0.0, 0.0, 1.0)" if parallel else "normalize(-vertexVC.xyz)"
     text = f"vec3 toEye = {eye};" + _BEGIN + "".join(_LIGHT.format(k=k) for k in (0, 1)) + _END
     program = actor.GetShaderProperty()
@@ -72,8 +67,4 @@ def shade(actor: Any, *, smooth: bool, parallel: bool) -> None:
 
 def fade(actor: Any) -> None:
     """Give a part the material of an earlier shape."""
-    material = actor.GetProperty()
-    for put, share in zip(
-        (material.SetAmbient, material.SetDiffuse, material.SetSpecular), _FADED, strict=True
-    ):
-        put(share)
+    actor.prop.ambient, actor.prop.diffuse, actor.prop.specular = _FADED

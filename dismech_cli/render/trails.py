@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ..arrays import FloatArray
-from .polydata import lines, make_lines, set_lines, set_points
+from .polydata import chain_cells, lines, make_lines
 from .settings import Rgb
 from .window import OVERSAMPLING
 
@@ -15,7 +15,7 @@ WIDTH = 1 / 360  # of the height of the picture
 
 
 class Trails:
-    """One line for each node, on the stage of VTK."""
+    """One line for each node, on the stage of pyvista."""
 
     def __init__(self, height: int, color: Rgb, origin: FloatArray, renderer: Any) -> None:
         """Draw nothing yet.
@@ -33,6 +33,6 @@ class Trails:
 
     def draw(self, paths: FloatArray) -> None:
         """Show the paths [m], shape (K, points, 3)."""
-        set_points(self._lines, (paths - self._origin).reshape(-1, 3).astype(np.float32))
+        self._lines.points = (paths - self._origin).reshape(-1, 3).astype(np.float32)
         count, length = paths.shape[:2]
-        set_lines(self._lines, np.arange(count * length).reshape(count, length))
+        self._lines.lines = chain_cells(np.arange(count * length).reshape(count, length))

@@ -1,4 +1,4 @@
-"""A window of VTK that nobody sees, and what is read from it."""
+"""A stage of pyvista that nobody sees, and what is read from it."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import FloatArray
-from .polydata import as_numpy
 from .settings import Image, Rgb
 
 # Drawing at twice the size and averaging smooths edges with four samples for each pixel; in software
@@ -32,28 +31,23 @@ class Window:
             paper: Colour of the background.
             oversampling: Pixels of the window for one of a picture, along each side.
         """
-        from vtkmodules import vtkRenderingOpenGL2
+        import pyvista as pv
         from vtkmodules.vtkCommonCore import vtkFloatArray, vtkUnsignedCharArray
-        from vtkmodules.vtkRenderingCore import vtkRenderer, vtkRenderWindow
 
-        # whose import makes what is drawn appear
-        assert vtkRenderingOpenGL2 is not None
         self._width, self._height = (oversampling * n for n in size)
         self._oversampling = oversampling
-        self.renderer: Any = vtkRenderer()
+        plotter: Any = pv.Plotter(off_screen=True, window_size=[self._width, self._height], lighting="none")
+        self._plotter = plotter
+        self.renderer: Any = plotter.renderer
         self.renderer.SetBackground(*(channel / 255 for channel in paper))
         self.renderer.SetBackgroundAlpha(0.0)
-        self.renderer.AutomaticLightCreationOff()
         # At most one thing is translucent: passes that sort several would take longer than the picture.
         self.renderer.SetUseOIT(False)
-        self._window: Any = vtkRenderWindow()
-        self._window.SetOffScreenRendering(True)
-        self._window.SetSize(self._width, self._height)
+        self._window: Any = plotter.render_window
         self._window.SetMultiSamples(0)
         self._window.SetAlphaBitPlanes(1)
         # Nobody looks at the window: pictures are read where they are drawn.
         self._window.SwapBuffersOff()
-        self._window.AddRenderer(self.renderer)
         self._colors, self._depths = vtkUnsignedCharArray(), vtkFloatArray()
 
     def aim(
@@ -75,16 +69,16 @@ class Window:
             reach: What is drawn lies nearer than this to the plane through the middle.
             angle: Height of the field of view [rad]; 0 is a parallel projection.
         """
-        camera = self.renderer.GetActiveCamera()
-        camera.SetFocalPoint(*center)
-        camera.SetPosition(*(center + distance * basis[2]))
-        camera.SetViewUp(*basis[1])
-        camera.SetParallelProjection(angle == 0.0)
+        camera = self._plotter.camera
+        camera.focal_point = tuple(center)
+        camera.position = tuple(center + distance * basis[2])
+        camera.up = tuple(basis[1])
+        camera.parallel_projection = angle == 0.0
         if angle:
-            camera.SetViewAngle(float(np.degrees(angle)))
+            camera.view_angle = float(np.degrees(angle))
         else:
-            camera.SetParallelScale(half_height)
-        camera.SetClippingRange(max(distance - reach, 1e-3 * distance), distance + reach)
+            camera.parallel_scale = half_height
+        camera.clipping_range = (max(distance - reach, 1e-3 * distance), distance + reach)
 
     def shoot(self) -> tuple[Image, tuple[slice, slice]]:
         """Draw.
@@ -93,13 +87,14 @@ class Window:
             Colours and opacity of a part of the picture, shape (rows, columns, 4), and where it is: the
             rest is empty. Colours are those on the paper, wherever it shows through.
         """
+        import pyvista as pv
         from PIL import Image as Pillow
 
         self._window.Render()
         back = 0
         self._window.GetRGBACharPixelData(0, 0, self._width - 1, self._height - 1, back, self._colors, 0)
         # rows come from the foot of the picture
-        whole = as_numpy(self._colors).reshape(self._height, self._width, 4)
+        whole = pv.convert_array(self._colors).reshape(self._height, self._width, 4)
         rows, columns = _filled(whole)
         size = (columns.stop - columns.start, rows.stop - rows.start)
         below = whole.reshape(-1)[4 * (rows.start * self._width + columns.start) :]
@@ -116,21 +111,25 @@ class Window:
             where: As :meth:`shoot` returns it.
             stride: Pixels of the picture for one of the result, along each side.
         """
-        camera = self.renderer.GetActiveCamera()
+        import pyvista as pv
+
+        camera = self._plotter.camera
         k = self._oversampling
         top, foot = (self._height - k * row for row in (where[0].start, where[0].stop))
         left, right = k * where[1].start, k * where[1].stop
         self._window.GetZbufferData(left, foot, right - 1, top - 1, self._depths)
-        z = as_numpy(self._depths).reshape(top - foot, right - left)[::-1][:: k * stride, :: k * stride]
-        near, far = camera.GetClippingRange()
+        z = pv.convert_array(self._depths).reshape(top - foot, right - left)[::-1][
+            :: k * stride, :: k * stride
+        ]
+        near, far = camera.clipping_range
         deep = near + z * (far - near)
-        if not camera.GetParallelProjection():
+        if not camera.parallel_projection:
             deep = near * far / (far - z * (far - near))
         return np.where(z < 1.0, deep, np.inf)
 
     def close(self) -> None:
         """Let go of the graphics library."""
-        self._window.Finalize()
+        self._plotter.close()
 
 
 def _filled(whole: Image) -> tuple[slice, slice]:

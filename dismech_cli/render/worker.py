@@ -20,7 +20,7 @@ from .overlay import Labels
 from .settings import Image
 from .timeline import shot_at
 
-RENDERERS: Mapping[str, Renderer] = {"vtk": scene.draw, "matplotlib": matplotlib_scene.draw}
+RENDERERS: Mapping[str, Renderer] = {"pyvista": scene.draw, "matplotlib": matplotlib_scene.draw}
 
 
 def work(job: Job) -> Iterator[Image]:

@@ -54,8 +54,8 @@ def _pictures() -> str:
         renderer = find_renderer()
     except RenderError as error:
         return str(error)
-    if renderer == "vtk":
-        return "VTK, off-screen OpenGL works"
+    if renderer == "pyvista":
+        return "pyvista, off-screen OpenGL works"
     return "matplotlib, plain: OpenGL fails; better with: apt-get install libegl1 libgl1-mesa-dri"
 
 

@@ -36,6 +36,7 @@ HEAVY = (
     "numpy",
     "scipy",
     "h5py",
+    "pyvista",
     "vtk",
     "vtkmodules",
     "pydantic",

@@ -363,7 +363,7 @@ def test_a_job_survives_the_way_to_another_process(tmp_path):
         framing = frame_motion(run, settings, shots)
     job = Job(
         run_dir=tmp_path,
-        renderer="vtk",
+        renderer="pyvista",
         settings=settings,
         framing=framing,
         field=Field(spec=SPEC, file=tmp_path / "field.npy"),
@@ -473,10 +473,10 @@ def test_round_lengths():
 
 @pytest.fixture
 def broken_vtk(tmp_path, monkeypatch):
-    """A VTK that dies as VTK does without OpenGL libraries."""
+    """A pyvista that dies as VTK does without OpenGL libraries."""
     folder = tmp_path / "broken"
     folder.mkdir()
-    (folder / "vtkmodules.py").write_text("import os, signal\nos.kill(os.getpid(), signal.SIGSEGV)\n")
+    (folder / "pyvista.py").write_text("import os, signal\nos.kill(os.getpid(), signal.SIGSEGV)\n")
     monkeypatch.setenv("PYTHONPATH", str(folder))
     probe.find_renderer.cache_clear()
     yield
@@ -514,7 +514,7 @@ def test_a_still_and_a_film_share_their_pictures(tmp_path, monkeypatch):
 
 
 def test_a_process_that_dies_while_drawing_is_an_error_here(broken_vtk, tmp_path, monkeypatch):
-    monkeypatch.setattr("dismech_cli.render.drawing.find_renderer", lambda: "vtk")
+    monkeypatch.setattr("dismech_cli.render.drawing.find_renderer", lambda: "pyvista")
     run_dir = write_run(tmp_path / "run", cantilever(frames=2))
     with pytest.raises(RenderError, match="drawing ended with signal SIGSEGV"):
         render(run_dir, Settings(), Wanted(formats=("png",)))

@@ -17,12 +17,12 @@ from dismech_cli.render.plot import plot_scalars
 from dismech_cli.render.settings import Camera, Settings
 
 SIZE = (320, 180)
-RENDERERS = ["vtk", "matplotlib"]
+RENDERERS = ["pyvista", "matplotlib"]
 
 
 @pytest.fixture(params=RENDERERS)
 def renderer(request, monkeypatch):
-    if request.param == "vtk" and probe.find_renderer() != "vtk":
+    if request.param == "pyvista" and probe.find_renderer() != "pyvista":
         pytest.skip("this machine has no OpenGL library")
     monkeypatch.setattr(drawing, "_PREFERRED", request.param)
     return request.param
@@ -109,7 +109,7 @@ def test_ghosts_are_pale_and_trails_are_lines(tmp_path, renderer):
 
 
 def test_a_floor_has_a_shadow_and_corners_are_dark(tmp_path):
-    if probe.find_renderer() != "vtk":
+    if probe.find_renderer() != "pyvista":
         pytest.skip("this machine has no OpenGL library")
     run_dir = write_run(tmp_path, sheet(frames=2))
     (lit,) = draw(run_dir, text=0.0, output=tmp_path / "a.png")

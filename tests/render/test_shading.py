@@ -10,19 +10,19 @@ from dismech_cli.render import probe
 from dismech_cli.render.balls import balls_at
 from dismech_cli.render.floor import _blur
 from dismech_cli.render.occlusion import _sums_of_nine
-from dismech_cli.render.polydata import as_vtk, make_actor, surface
+from dismech_cli.render.polydata import make_actor, surface
 from dismech_cli.render.shading import add_lights, shade
 from dismech_cli.render.window import Window
 
 
 def test_light_is_that_of_vtk():
-    if probe.find_renderer() != "vtk":
+    if probe.find_renderer() != "pyvista":
         pytest.skip("this machine has no OpenGL library")
     ball = balls_at(np.array([0]), np.array([1.0]), np.array([0]), 48)
     points, normals = ball.place(0.0, np.zeros((1, 3)))
     data = surface(points.astype(np.float32), ball.faces)
-    data.GetPointData().SetNormals(as_vtk(normals.astype(np.float32)))
-    data.GetPointData().SetScalars(as_vtk(np.full((len(points), 3), 120, dtype=np.uint8)))
+    data.point_data.active_normals = normals.astype(np.float32)
+    data.point_data.set_scalars(np.full((len(points), 3), 120, dtype=np.uint8), "rgb")
     window = Window((160, 120), (255, 255, 255))
     add_lights(window.renderer)
     actor = make_actor(data)
