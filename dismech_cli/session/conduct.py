@@ -92,7 +92,7 @@ def conduct(session: Session, stop: StopRequest) -> Record:
             _ended(session, "failed", Ending(code_of(error), message), latest)
         raise
     ending = conclude(
-        session.loaded.scenario,
+        session.loaded,
         outcome,
         session.limits,
         stop,
