@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from shlex import quote
 
+from ..run.adaptive import RTOL
 from ..run.interrupt import StopRequest
 from ..run.loop import End, Limits, Outcome
 from ..scenario.language.scenario import Scenario
@@ -71,20 +73,29 @@ def conclude(
                 return Ending(Exit.DONE, "", verdicts)
             for verdict in missed:
                 narrator.warn(str(verdict))
-            if changes := _changes(loaded):
-                narrator.say(
-                    f"expected values are those of the file as written; changed here: {', '.join(changes)}. "
-                    "One whose source names a step or a mesh holds for that alone"
-                )
+            for hint in _hints(loaded):
+                narrator.say(hint)
             names = ", ".join(verdict.name for verdict in missed)
             narrator.error(f"expectation missed: {names}")
             return Ending(Exit.EXPECTATION, f"missed: {names}", verdicts)
 
 
-def _changes(loaded: LoadedScenario) -> list[str]:
-    """Options that make a run another one than its file says."""
+def _hints(loaded: LoadedScenario) -> Iterator[str]:
+    """What may be the matter with a run that misses what its file promises."""
     profile = [] if loaded.profile is None else [f"--profile {loaded.profile}"]
-    return [*profile, *(f"--set {quote(one)}" for one in loaded.overrides if not one.startswith(_HARMLESS))]
+    changes = [
+        *profile,
+        *(f"--set {quote(one)}" for one in loaded.overrides if not one.startswith(_HARMLESS)),
+    ]
+    if changes:
+        yield (
+            f"expected values are those of the file as written; changed here: {', '.join(changes)}. "
+            "One whose source names a step or a mesh holds for that alone"
+        )
+    numerics = loaded.scenario.numerics
+    if numerics.adapts:
+        rtol = 0.1 * (numerics.step.rtol or RTOL)
+        yield f"are steps fine enough? A tenth of their tolerance tells: --set numerics.step.rtol={rtol:.3g}"
 
 
 def _laborious(scenario: Scenario, outcome: Outcome) -> str:
