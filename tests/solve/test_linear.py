@@ -25,6 +25,7 @@ from dismech_cli.solve.linear.pardiso import InertiaCounter, pardiso_available
 from dismech_cli.solve.linear.stability import _from_dense, _from_superlu, negative_eigenvalues_on
 from dismech_cli.solve.linear.updated import UpdatedFactors
 from dismech_cli.solve.pattern import SparsityPattern
+from dismech_cli.solve.system import System
 
 KINDS = ["positive", "indefinite", "unsymmetric"]
 
@@ -68,6 +69,18 @@ def test_what_is_not_finite_shows_in_any_column(name: str) -> None:
     bad = good * [1.0, np.nan, 1.0]
     with pytest.raises(FactorizationError):
         factors.solve(bad)
+
+
+@pytest.mark.parametrize("wanted", ["auto", *SOLVERS])
+def test_nothing_is_solved_in_silence_where_all_is_held(
+    wanted: str, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """LAPACK takes no matrix without rows, and says so on the terminal by itself."""
+    system = System(isotropic_rod(*helix(10), UNEQUAL), np.zeros(30, dtype=bool), wanted)
+    factors = system.solver.factorize(np.zeros(system.pattern.slots))
+    assert factors.solve(np.empty(0)).shape == factors.solve_transposed(np.empty(0)).shape == (0,)
+    assert not factors.indefinite
+    assert "".join(capfd.readouterr()) == ""
 
 
 @pytest.mark.parametrize("kind", KINDS)

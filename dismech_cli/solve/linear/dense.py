@@ -23,9 +23,12 @@ class DenseSolver:
         self._matrix = np.zeros((pattern.m, pattern.m), order="F")
         self._rows = pattern.rows
 
-    def factorize(self, values: FloatArray) -> DenseFactors:
+    def factorize(self, values: FloatArray) -> DenseFactors | NoFactors:
         """Fill the matrix and factorise it."""
         p = self._pattern
+        if not p.m:
+            # LAPACK takes none, and says so on the terminal
+            return NoFactors()
         self._matrix[self._rows, p.indices] = values[: p.nnz]
         if p.symmetric:
             self._matrix[p.indices, self._rows] = values[: p.nnz]
@@ -33,6 +36,21 @@ class DenseSolver:
         if info != 0 or not np.isfinite(lu).all():
             raise FactorizationError("the matrix is singular or not finite")
         return DenseFactors(self._matrix, lu, pivots, p.symmetric)
+
+
+@dataclass(frozen=True, slots=True)
+class NoFactors:
+    """Of the matrix without rows, where everything is held."""
+
+    indefinite: ClassVar[bool] = False
+
+    def solve(self, rhs: FloatArray) -> FloatArray:
+        """The solution, which is empty."""
+        return rhs.copy()
+
+    def solve_transposed(self, rhs: FloatArray) -> FloatArray:
+        """The solution, which is empty."""
+        return rhs.copy()
 
 
 @dataclass(frozen=True, slots=True)
