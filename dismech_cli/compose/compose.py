@@ -30,7 +30,7 @@ from .observables.probes import make_probe, make_probes, make_watched
 from .observables.validity import make_checks
 from .path import make_advance
 from .scene import Scene, make_scene
-from .sizes import refuse_oversized, refuse_too_many
+from .sizes import contact_memory, refuse_oversized, refuse_too_many
 from .stepping import make_stepping
 from .structure.holds import drives, resolve_holds
 from .structure.kernels import Chosen, Repays, among_many, choose_kernels
@@ -50,6 +50,7 @@ class Composition:
         geometry: The bodies.
         kept: A file that stands for the run that it starts from; empty where it starts from none.
         followed: Files that stand for the folders of runs that controllers follow, by their names.
+        neighbours: Memory that contact of neighbours within bodies takes, roughly [byte].
     """
 
     simulation: Simulation
@@ -57,6 +58,7 @@ class Composition:
     geometry: Geometry
     kept: bytes = b""
     followed: Mapping[str, bytes] = field(default_factory=dict)
+    neighbours: float = 0.0
 
 
 def compose(
@@ -136,7 +138,8 @@ def compose(
         decisions=(*plan.decisions, *net_decisions(scene, model)),
         warnings=(*plan.warnings, *changing.warnings),
     )
-    return Composition(simulation, plan, scene.geometry, start.kept, control.kept)
+    neighbours = sum(contact_memory(loaded.scenario, scene.geometry).values())
+    return Composition(simulation, plan, scene.geometry, start.kept, control.kept, neighbours)
 
 
 def _with_kernels(plan: Plan, chosen: Chosen, deviation: Deviation) -> Plan:

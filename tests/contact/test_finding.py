@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import shortest_path
 from touching_rods import neighbours
 
 from dismech_cli.contact.drivers.batches import Batches
@@ -64,6 +66,20 @@ def test_through_a_joint_too() -> None:
     nodes = np.array([[0, 1], [1, 2], [2, 3], [3, 4]])
     keys = near_along(nodes, np.full(4, 2.0), np.full(4, 0.5), 5)
     assert_array_equal(keys, [0 * 4 + 1, 1 * 4 + 2, 2 * 4 + 3])
+
+
+def test_neighbours_of_a_net_are_found_by_the_shortest_way() -> None:
+    """Edges of any length that meet in any way: as by the least sum of lengths between their nearest ends."""
+    rng = np.random.default_rng(4)
+    count = 30
+    nodes = np.unique(np.sort(rng.integers(0, count, (50, 2)), axis=1), axis=0)
+    nodes = nodes[nodes[:, 0] != nodes[:, 1]]
+    lengths, radius = rng.uniform(0.1, 2.0, len(nodes)), 0.6
+    along = shortest_path(csr_array((lengths, nodes.T), shape=(count, count)), directed=False)
+    far = along[nodes[:, None, :, None], nodes[None, :, None, :]].min(axis=(2, 3))
+    i, j = np.nonzero(np.triu(far < np.pi * radius, 1))
+    found = near_along(nodes, lengths, np.full(len(nodes), radius), count)
+    assert_array_equal(found, i * len(nodes) + j)
 
 
 def crossing(gap: float) -> tuple[RodPairs, np.ndarray]:

@@ -206,6 +206,9 @@ def test_a_start_in_penetration_is_refused() -> None:
     deck["geometry"][1]["generate"] |= {"from": [0.0, -0.25, 0.0039], "to": [0.0, 0.25, 0.0039]}
     with pytest.raises(ScenarioError, match=r"'low' starts 0.0039 m from 'high'.*more than 0.004 m"):
         simulate(deck, limits=Limits(until=0.0))
+    deck["geometry"][1]["generate"] |= {"from": [0.0, -0.25, 0.0], "to": [0.0, 0.25, 0.0]}
+    with pytest.raises(ScenarioError, match=r"'low' starts 0 m from 'high'.*more than 0.004 m"):
+        simulate(deck, limits=Limits(until=0.0))
     deck = on_floor()
     deck["contact"]["law"] = BARRIER
     with pytest.raises(ScenarioError, match=r"'rod' starts 0.02451 m from 'floor'"):

@@ -5,11 +5,14 @@ from __future__ import annotations
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from dismech_cli import load
 from dismech_cli.compose import sizes
 from dismech_cli.compose.compose import compose
+from dismech_cli.compose.scene import make_scene
+from dismech_cli.contact.nearby.exclusion import near_along
 from dismech_cli.errors import ScenarioError
 from dismech_cli.scenario.load import load_text
 
@@ -162,3 +165,29 @@ def test_rods_that_cannot_be_held_are_refused_before_they_are_made(monkeypatch: 
     loaded = load(file, overrides=("geometry[0].generate.nodes=1000000",))
     with pytest.raises(ScenarioError, match=r"geometry\[0\]: the scene has 1000000 nodes of rods"):
         compose(loaded)
+
+
+def test_contact_of_what_is_cut_far_finer_than_it_is_thick_is_counted_before_it_is_made(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Of 7 000 edges, 5 million pairs are nearer along the rod than half a circle of its thickness."""
+    stack = Path(__file__).parents[2] / "scenarios" / "stacked_rods.yaml"
+    fine = load(stack, overrides=["geometry[1].generate.nodes=7000"])
+    monkeypatch.setattr(sizes, "machine_memory", lambda: 5e8)
+    with pytest.raises(
+        ScenarioError, match=r"geometry\[1\]: the scene has contact of 'right', which is cut far finer"
+    ):
+        compose(fine)
+    compose(load(stack, overrides=["geometry[1].generate.nodes=200"]))
+
+
+@pytest.mark.parametrize(("nodes", "pairs"), [(200, 4.0e3), (2000, 4.2e5)])
+def test_neighbours_along_a_rod_are_as_many_as_counted(nodes: int, pairs: float) -> None:
+    stack = Path(__file__).parents[2] / "scenarios" / "stacked_rods.yaml"
+    scene = make_scene(load(stack, overrides=[f"geometry[1].generate.nodes={nodes}"]))
+    nearest = np.arange(nodes - 1)
+    chain, length = np.stack((nearest, nearest + 1), axis=1), np.full(nodes - 1, 0.12 / (nodes - 1))
+    found = len(near_along(chain, length, np.full(nodes - 1, 4e-3), nodes))
+    said = sizes.contact_memory(scene.scenario, scene.geometry)["right"] / sizes._PER_ROD_NEIGHBOUR
+    assert found == pytest.approx(pairs, rel=0.1)
+    assert said == pytest.approx(found, rel=0.15)

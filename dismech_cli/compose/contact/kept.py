@@ -61,8 +61,7 @@ def refuse_too_near(scene: Scene, structure: Structure, contact: Contact) -> Non
         return
     worst = int(np.argmax(found.shares))
     one, other = contact.pairs[found.labels[worst]]
-    distance = float(found.distances[worst])
-    least = distance / (1.0 - float(found.shares[worst]))
+    distance, least = found.distances[worst], found.least[worst]
     raise scene.error(
         ("contact", "law"),
         f"'{one}' starts {distance:.4g} m from '{other}', but a barrier keeps them more than {least:.4g} m "

@@ -26,12 +26,14 @@ class Shortfall:
         labels: Numbers of the pairs of bodies, shape (K,).
         shares: Of the distance that is kept; below 0 where there is room, shape (K,).
         distances: [m], shape (K,).
+        least: The distances that are kept [m], shape (K,).
     """
 
     nodes: IntArray
     labels: IntArray
     shares: FloatArray
     distances: FloatArray
+    least: FloatArray
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,4 +74,4 @@ class Guarding:
             distances.append(wall.gaps(x, t))
             least.append(self.stop.least * wall.lines.radii)
         found, kept = np.concatenate(distances), np.concatenate(least)
-        return Shortfall(np.concatenate(nodes), np.concatenate(labels), 1.0 - found / kept, found)
+        return Shortfall(np.concatenate(nodes), np.concatenate(labels), 1.0 - found / kept, found, kept)

@@ -6,12 +6,9 @@ centreline: lines nearer than that along the body are kept apart by bending, not
 
 from __future__ import annotations
 
-from heapq import heappop, heappush
-from math import pi
-
 import numpy as np
 
-from ...arrays import FloatArray, IntArray
+from ...arrays import FloatArray, IntArray, distinct
 
 
 def near_along(nodes: IntArray, lengths: FloatArray, radii: FloatArray, count: int) -> IntArray:
@@ -27,27 +24,37 @@ def near_along(nodes: IntArray, lengths: FloatArray, radii: FloatArray, count: i
         Keys first times E plus second of the pairs, the lower number first, ascending.
     """
     lines = len(nodes)
-    at: list[list[int]] = [[] for _ in range(count)]
-    for line, (a, b) in enumerate(nodes.tolist()):
-        at[a].append(line)
-        at[b].append(line)
-    ends, length, radius = nodes.tolist(), lengths.tolist(), radii.tolist()
-    keys: set[int] = set()
-    for line in range(lines):
-        heap = [(0.0, node) for node in ends[line]]
-        best = dict.fromkeys(ends[line], 0.0)
-        while heap:
-            far, node = heappop(heap)
-            if far > best[node]:
-                continue
-            for other in at[node]:
-                if far >= 0.5 * pi * (radius[line] + radius[other]):
-                    continue
-                if other > line:
-                    keys.add(line * lines + other)
-                a, b = ends[other]
-                beyond, next_ = far + length[other], b if a == node else a
-                if other != line and beyond < best.get(next_, np.inf):
-                    best[next_] = beyond
-                    heappush(heap, (beyond, next_))
-    return np.array(sorted(keys), dtype=np.int64)
+    order = np.argsort(nodes.ravel(), kind="stable")
+    degree = np.bincount(nodes.ravel(), minlength=count)
+    start, at = np.cumsum(degree) - degree, order // 2
+    # ways from each line outwards, all one line longer in each round: where they are, how far, come by what
+    line, here = np.repeat(np.arange(lines), 2), nodes.ravel()
+    far, last = np.zeros(2 * lines), line
+    found: list[IntArray] = []
+    many = 2 * len(line)
+    while len(line):
+        ways = degree[here]
+        way = np.repeat(np.arange(len(line)), ways)
+        other = at[start[here][way] + np.arange(len(way)) - np.repeat(np.cumsum(ways) - ways, ways)]
+        on = far[way] < 0.5 * np.pi * (radii[line[way]] + radii[other])
+        # no way turns back, which is never shorter
+        on &= other != last[way]
+        way, other = way[on], other[on]
+        line, far, last = line[way], far[way] + lengths[other], other
+        found.append((line * lines + other)[other > line])
+        here = nodes[other].sum(axis=1) - here[way]
+        if len(line) > many:
+            line, here, far, last = _shortest(line, here, far, last, count)
+            many = 2 * len(line)
+    return distinct(np.concatenate(found)) if found else np.empty(0, dtype=np.int64)
+
+
+def _shortest(
+    line: IntArray, here: IntArray, far: FloatArray, last: IntArray, count: int
+) -> tuple[IntArray, IntArray, FloatArray, IntArray]:
+    """Of ways from one line that meet at a node the shortest."""
+    order = np.lexsort((far, line * count + here))
+    line, here, far, last = line[order], here[order], far[order], last[order]
+    first = np.ones(len(line), dtype=np.bool_)
+    first[1:] = (line[1:] != line[:-1]) | (here[1:] != here[:-1])
+    return line[first], here[first], far[first], last[first]
