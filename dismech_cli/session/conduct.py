@@ -92,7 +92,7 @@ def conduct(session: Session, stop: StopRequest) -> Record:
             _ended(session, "failed", Ending(code_of(error), message), latest)
         raise
     ending = conclude(
-        session.loaded,
+        session.loaded.scenario,
         outcome,
         session.limits,
         stop,

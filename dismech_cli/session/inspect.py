@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Final
 
 import numpy as np
 
@@ -23,13 +22,11 @@ from ..scenario.language.numerics import Numerics
 from ..scenario.load import load
 from ..scenario.text.parameters import Parameter
 from ..scenario.views.provenance import as_json
-from ..solve.system import base_pattern, chosen_solver
+from ..solve.system import base_outline, chosen_solver
 from .duration import iteration_time, seconds
 from .joints import JointLine, joint_lines
 from .loops import look_at_loops, nominal_step
 from .modes import Modes, find_modes
-
-_SHOWN: Final = 20  # bodies, and joints, that are listed where a person reads
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -137,9 +134,9 @@ class Finding:
             [
                 f"{self.path}: ok",
                 *(f"  parameter {name} = {one.amount}" for name, one in self.parameters.items()),
-                *_first(self.bodies, "bodies"),
+                *(f"  {body}" for body in self.bodies),
                 *(f"  {note}" for note in self.notes),
-                *_first(self.joints, "joints"),
+                *(f"  {joint}" for joint in self.joints),
                 *(f"  {d.what}\n    because: {d.why}" for d in self.decisions),
                 *(f"  {loop}" for loop in self.loops),
                 f"  {c.free} free of {c.dofs} DOFs, {c.entries} matrix entries, {c.solver} solver",
@@ -149,13 +146,6 @@ class Finding:
                 f"  about {_duration(c.seconds)}, {_bytes(c.memory)} of memory, {_bytes(c.disk)} on disk",
             ]
         )
-
-
-def _first(items: Sequence[object], kind: str) -> Iterator[str]:
-    """A line for each item, as long as they are few enough to be read."""
-    yield from (f"  {item}" for item in items[:_SHOWN])
-    if len(items) > _SHOWN:
-        yield f"  and {len(items) - _SHOWN} more {kind}: all are listed by --json"
 
 
 def inspect(
@@ -218,7 +208,7 @@ def estimate(composition: Composition, numerics: Numerics) -> Cost:
     """
     simulation = composition.simulation
     model, topology = simulation.model, simulation.topology
-    pattern = base_pattern(model, ~held_dofs(model.motions, model.dofs.n, 0.0))
+    pattern = base_outline(model, ~held_dofs(model.motions, model.dofs.n, 0.0))
     steps = simulation.control.steps
     end = simulation.control.t_end
     frames = steps + 1
@@ -237,7 +227,7 @@ def estimate(composition: Composition, numerics: Numerics) -> Cost:
         iterations=work.iterations,
         frames=frames,
         seconds=seconds(work, kernels, iteration_time(simulation)),
-        memory=memory(model, kernels, solver, pattern.nnz),
+        memory=memory(model, kernels, solver, pattern.nnz) + composition.neighbours,
         disk=8.0 * frames * _numbers_per_frame(topology),
     )
 

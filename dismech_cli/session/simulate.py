@@ -128,7 +128,8 @@ def _in_memory(
         limits=prepared.limits,
         announce=narrator.detail,
     )
-    return outcome, conclude(prepared.loaded, outcome, prepared.limits, StopRequest(), narrator, advice="")
+    scenario = prepared.loaded.scenario
+    return outcome, conclude(scenario, outcome, prepared.limits, StopRequest(), narrator, advice="")
 
 
 def _in_directory(

@@ -9,12 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
-from ..arrays import BoolArray, FloatArray, IntArray
+from ..arrays import BoolArray, FloatArray, IntArray, distinct
 from ..kernels.linearization import Coupling
 from ..kinematics.dofs import DofMap
 
@@ -55,15 +56,25 @@ class SparsityPattern:
             couplings: DOFs that terms couple, all of a node together.
             symmetric: Whether to store the upper triangle only.
         """
-        listed = _matrix_order(dofs, free, couplings)
-        order = np.full(dofs.n, -1, dtype=np.int64)
-        order[listed] = np.arange(len(listed))
-        m = len(listed)
-        nodes, angles = dofs.n_nodes, dofs.n - dofs.n_positions
-        block = np.concatenate((np.repeat(np.arange(nodes), dofs.dimension), nodes + np.arange(angles)))
-        diagonal = np.arange(m) * (m + 1)
-        alone = cls(listed, order, block, diagonal, *_compressed(diagonal, m), symmetric)
+        alone = _diagonal(dofs, free, couplings, symmetric=symmetric)
         return alone.extended(alone.entries(couplings)).pattern
+
+    @classmethod
+    def outline(
+        cls, dofs: DofMap, free: BoolArray, couplings: Sequence[Coupling], *, symmetric: bool
+    ) -> Outline:
+        """Sizes of what :meth:`build` would make, for a part of its price."""
+        alone = _diagonal(dofs, free, couplings, symmetric=symmetric)
+        width = alone.blocks().width
+        a, b = _pairs_of_blocks(alone, couplings)
+        sizes = np.where(a == b, width[a] * (width[a] + 1) // 2, width[a] * width[b])
+        # what nothing couples has its diagonal
+        upper = int(sizes.sum()) + alone.m - int(width[a[a == b]].sum())
+        return Outline(
+            alone.m,
+            upper if symmetric else 2 * upper - alone.m,
+            int((b + width[b] - 1 - a).max(initial=0)),
+        )
 
     @property
     def m(self) -> int:
@@ -157,6 +168,33 @@ class SparsityPattern:
 
 
 @dataclass(frozen=True, slots=True)
+class Outline:
+    """Sizes of a pattern.
+
+    Attributes:
+        m: Free DOFs.
+        nnz: Stored entries.
+        bandwidth: Largest |column - row| of a stored entry.
+    """
+
+    m: int
+    nnz: int
+    bandwidth: int
+
+
+class Sized(Protocol):
+    """What has the sizes of a pattern."""
+
+    @property
+    def m(self) -> int:
+        """Free DOFs."""
+
+    @property
+    def bandwidth(self) -> int:
+        """Largest |column - row| of a stored entry."""
+
+
+@dataclass(frozen=True, slots=True)
 class Blocks:
     """Blocks of free DOFs.
 
@@ -204,15 +242,8 @@ class Extension:
 
 def _entries(pattern: SparsityPattern, couplings: Iterable[Coupling]) -> IntArray:
     """Keys of all entries of cliques, ascending: pairs of blocks first, which are far fewer."""
-    m, blocks = max(pattern.m, 1), pattern.blocks()
-    width = blocks.width
-    found = [np.empty(0, dtype=np.int64)]
-    for coupling in couplings:
-        places = blocks.places(coupling)
-        i, j = np.triu_indices(places.shape[1])
-        low, high = np.minimum(places[:, i], places[:, j]), np.maximum(places[:, i], places[:, j])
-        found.append((low * m + high)[high < m])
-    a, b = np.divmod(_distinct(np.concatenate(found)), m)
+    m, width = max(pattern.m, 1), pattern.blocks().width
+    a, b = _pairs_of_blocks(pattern, couplings)
     columns = np.arange(width.max(initial=1))
     upper = []
     for row in columns.tolist():
@@ -224,7 +255,34 @@ def _entries(pattern: SparsityPattern, couplings: Iterable[Coupling]) -> IntArra
     if pattern.symmetric:
         return entries
     a, b = np.divmod(entries, m)
-    return _distinct(np.concatenate((entries, b * m + a)))
+    return distinct(np.concatenate((entries, b * m + a)))
+
+
+def _pairs_of_blocks(pattern: SparsityPattern, couplings: Iterable[Coupling]) -> tuple[IntArray, IntArray]:
+    """Starts of blocks that cliques couple, the lower one first, each pair once, ascending."""
+    m, blocks = max(pattern.m, 1), pattern.blocks()
+    found = [np.empty(0, dtype=np.int64)]
+    for coupling in couplings:
+        places = blocks.places(coupling)
+        i, j = np.triu_indices(places.shape[1])
+        low, high = np.minimum(places[:, i], places[:, j]), np.maximum(places[:, i], places[:, j])
+        found.append((low * m + high)[high < m])
+    a, b = np.divmod(distinct(np.concatenate(found)), m)
+    return a, b
+
+
+def _diagonal(
+    dofs: DofMap, free: BoolArray, couplings: Sequence[Coupling], *, symmetric: bool
+) -> SparsityPattern:
+    """The pattern of a diagonal matrix, in the order that suits couplings."""
+    listed = _matrix_order(dofs, free, couplings)
+    order = np.full(dofs.n, -1, dtype=np.int64)
+    order[listed] = np.arange(len(listed))
+    m = len(listed)
+    nodes, angles = dofs.n_nodes, dofs.n - dofs.n_positions
+    block = np.concatenate((np.repeat(np.arange(nodes), dofs.dimension), nodes + np.arange(angles)))
+    diagonal = np.arange(m) * (m + 1)
+    return SparsityPattern(listed, order, block, diagonal, *_compressed(diagonal, m), symmetric)
 
 
 def _compressed(keys: IntArray, m: int) -> tuple[IntArray, IntArray, IntArray]:
@@ -233,15 +291,6 @@ def _compressed(keys: IntArray, m: int) -> tuple[IntArray, IntArray, IntArray]:
     diagonal = np.searchsorted(keys, np.arange(m) * (m + 1))
     columns = keys - np.repeat(np.arange(m) * m, np.diff(starts))
     return starts.astype(np.int64), columns, diagonal
-
-
-def _distinct(keys: IntArray) -> IntArray:
-    """Sorted, each once; np.unique of NumPy 2.4 hashes, which takes many times longer here."""
-    ordered = np.sort(keys)
-    new = np.ones(len(ordered), dtype=np.bool_)
-    new[1:] = ordered[1:] != ordered[:-1]
-    distinct: IntArray = ordered[new]
-    return distinct
 
 
 def _matrix_order(dofs: DofMap, free: BoolArray, couplings: Sequence[Coupling]) -> IntArray:

@@ -8,7 +8,7 @@ from math import sqrt
 import numpy as np
 
 from ..arrays import BoolArray, FloatArray
-from ..kernels.linearization import all_symmetric
+from ..kernels.linearization import Coupling, all_symmetric
 from ..kernels.projection import ProjectedDriver
 from ..kinematics.rod_frames import FrameState
 from ..model.configuration import Configuration
@@ -22,7 +22,7 @@ from .linear.banded import BandedSolver
 from .linear.choice import LINEAR_SOLVERS, choose_solver
 from .linear.factors import LinearSolver
 from .overlay import Overlay, convexly, exactly
-from .pattern import SparsityPattern
+from .pattern import Outline, Sized, SparsityPattern
 from .trials import Trials, at, trial
 from .woven import Woven, weave
 
@@ -36,13 +36,26 @@ def base_pattern(model: Model, free: BoolArray) -> SparsityPattern:
         model: The semi-discrete system.
         free: Mask of the free DOFs, shape (n,).
     """
-    couplings = [coupling for term in model.terms for coupling in term.couplings]
-    symmetric = all_symmetric(couplings) and all(term.symmetric for term in model.changing)
+    couplings, symmetric = _couplings(model)
     return SparsityPattern.build(model.dofs, free, couplings, symmetric=symmetric)
 
 
-def chosen_solver(model: Model, pattern: SparsityPattern, wanted: str) -> str:
+def base_outline(model: Model, free: BoolArray) -> Outline:
+    """Sizes of :func:`base_pattern`, for a part of its price."""
+    couplings, symmetric = _couplings(model)
+    return SparsityPattern.outline(model.dofs, free, couplings, symmetric=symmetric)
+
+
+def _couplings(model: Model) -> tuple[list[Coupling], bool]:
+    """What terms that stay couple, and whether all terms are symmetric."""
+    couplings = [coupling for term in model.terms for coupling in term.couplings]
+    return couplings, all_symmetric(couplings) and all(term.symmetric for term in model.changing)
+
+
+def chosen_solver(model: Model, pattern: Sized, wanted: str) -> str:
     """Key of ``LINEAR_SOLVERS`` for a model with this pattern; ``wanted`` may be one, or ``"auto"``."""
+    if not pattern.m:
+        return "dense"  # which alone takes a matrix without rows
     spreads = any(term.spreads for term in model.changing)
     return choose_solver(pattern, spreads=spreads) if wanted == "auto" else wanted
 

@@ -150,3 +150,17 @@ def test_everything_held() -> None:
     pattern = pattern_of(model, np.zeros(model.dofs.n, dtype=bool))
     assert (pattern.m, pattern.nnz, pattern.bandwidth) == (0, 0, 0)
     assert (pattern.symmetric_slots(np.array([0]), np.array([3])) == 0).all()
+
+
+@pytest.mark.parametrize("name", [*term_cases(), "cantilever"])
+@pytest.mark.parametrize("symmetric", [True, False])
+def test_an_outline_has_the_sizes_of_the_pattern(name: str, symmetric: bool) -> None:
+    """With all free, with some fixed within blocks, and where a DOF is coupled to nothing."""
+    model = cantilever("framed") if name == "cantilever" else term_cases()[name].model
+    couplings = [c for t in model.terms for c in t.couplings]
+    rng = np.random.default_rng(5)
+    for free in (np.ones(model.dofs.n, dtype=bool), rng.random(model.dofs.n) < 0.7):
+        for coupled in (couplings, couplings[:1], []):
+            whole = SparsityPattern.build(model.dofs, free, coupled, symmetric=symmetric)
+            found = SparsityPattern.outline(model.dofs, free, coupled, symmetric=symmetric)
+            assert (found.m, found.nnz, found.bandwidth) == (whole.m, whole.nnz, whole.bandwidth)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from ..pattern import SparsityPattern
+from ..pattern import Sized, SparsityPattern
 from .banded import BandedSolver
 from .dense import DenseSolver
 from .factors import LinearSolver
@@ -24,7 +24,7 @@ DENSE_LIMIT = 8
 BAND_LIMIT = 40
 
 
-def choose_solver(pattern: SparsityPattern, *, spreads: bool = False) -> str:
+def choose_solver(pattern: Sized, *, spreads: bool = False) -> str:
     """Name of the fastest solver for a pattern.
 
     Args:
