@@ -52,7 +52,7 @@ def make_faces(
             masses=mass[geometry.triangles].mean(axis=1),
             bodies=bodies,
         ),
-        # nodes of a shell are shared by the lines of all directions
+        # of two shells the lines of either hold half
         masses=np.where(np.isin(lines.bodies, shells), 0.5, 1.0) * lines.masses,
         stiffness=_stiffness(lines, stiffness, shells),
         labels=tables.labels,

@@ -54,12 +54,16 @@ def make_lines(scene: Scene, structure: Structure, reach: float) -> Lines:
     ends, all_lengths, strips = np.concatenate(nodes), np.concatenate(lengths), np.concatenate(weights)
     pulls = _pulls(scene, float(all_lengths.sum()))
     mass = nodal_mass(geometry, len(structure.positions), structure.payload)
+    # the lines of a shell that meet at a node stop it together
+    rods_end = len(geometry.edges)
+    meeting = np.maximum(np.bincount(ends[rods_end:].reshape(-1), minlength=len(mass)), 1)
+    masses = np.concatenate((mass[ends[:rods_end]], (mass / meeting)[ends[rods_end:]])).sum(axis=1)
     return Lines(
         ends,
         all_lengths,
         reach * np.concatenate(radii),
         strips,
-        mass[ends].sum(axis=1),
+        masses,
         np.concatenate(loads) + pulls / strips,
         np.concatenate(bodies),
         names,

@@ -12,7 +12,7 @@ from typing import ClassVar, Final, Protocol
 
 import numpy as np
 
-from ...arrays import FloatArray
+from ...arrays import FloatArray, IntArray
 
 # A step deeper than the tolerance is taken again, so often at most, with a factor raised by a power of the
 # depth: that which crossing lines need or which the last time showed, and a little more, within bounds.
@@ -140,3 +140,19 @@ def impact_force(mass: FloatArray, speed: FloatArray, depth: FloatArray, dt: flo
     """
     force: FloatArray = mass * speed * np.minimum(1.0 / dt, _IMPACT * speed / depth)
     return force
+
+
+def asked_for(force: FloatArray, held: FloatArray, groups: IntArray) -> float:
+    """Factor with which what comes is stopped, by group: all of it together, by all that is faced.
+
+    A sheet comes down on one of its corners first, and tips hold next to nothing: a factor that let the line
+    that holds least stop all of its own would be a hundred times what the sheet needs. Where one place gets
+    too deep for that, the step is taken again.
+
+    Args:
+        force: Needed of each line [N], shape (K,).
+        held: What it holds at factor one as deep as it may be [N], shape (K,).
+        groups: Numbers of groups, shape (K,).
+    """
+    needed, there = np.bincount(groups, weights=force), np.bincount(groups, weights=held)
+    return float((needed / (there + np.finfo(float).tiny)).max(initial=0.0))

@@ -11,7 +11,7 @@ from ...kinematics.dofs import DofMap
 from ..gather.source import Depths
 from ..gather.stencils import Stencils
 from ..gather.touching import Touching
-from ..law.stiffness import impact_force
+from ..law.stiffness import asked_for, impact_force
 from ..nearby.advance import longest_way
 from ..pieces.lines import Lines
 from ..points.points import Points
@@ -105,8 +105,9 @@ class Wall:
         # of lines so thick that they are as deep as they may be
         scale = some.stiffness * some.lines.weights * some.lines.lengths
         points = self.obstacle.points(t + dt, start, slope, later + depth, scale)
-        held = np.bincount(points.item, weights=points.load, minlength=len(coming))
-        return float((force / (held + np.finfo(float).tiny)).max())
+        held = np.zeros(len(coming))
+        np.add.at(held, points.item, points.load)
+        return asked_for(force, held, some.labels)
 
     def some(self, which: IntArray) -> Wall:
         """The same for some of the lines."""

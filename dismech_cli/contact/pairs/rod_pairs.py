@@ -14,7 +14,7 @@ from ..gather.source import Depths
 from ..gather.stencils import Stencils
 from ..gather.touching import Touching
 from ..law.levels import from_here_on, of_next, shared
-from ..law.stiffness import impact_force
+from ..law.stiffness import asked_for, impact_force
 from ..nearby.candidates import among
 from ..nearby.placed import Placed
 from .search import MARGIN, Search
@@ -142,8 +142,10 @@ class RodPairs:
         points = self._loops.segment_points(
             x, every.nodes(directed), np.arange(len(directed)), reach, every.factors(directed)
         )
-        held = np.bincount(points.item % len(pairs), weights=points.load, minlength=len(pairs))
-        return float((force / (held + np.finfo(float).tiny)).max())
+        held = np.zeros(len(pairs))
+        np.add.at(held, points.item % len(pairs), points.load)
+        first, second = lines.bodies[pairs].T
+        return asked_for(force, held, every.labels[first, second])
 
     def longest_step(self, x0: FloatArray, x1: FloatArray, t0: float, t1: float) -> float:
         """Part of the way on which no lines pass through each other."""

@@ -13,7 +13,7 @@ from ...model.term import Memory
 from ..gather.source import Depths
 from ..gather.stencils import Stencils
 from ..gather.touching import Touching
-from ..law.stiffness import impact_force
+from ..law.stiffness import asked_for, impact_force
 from ..nearby.candidates import among
 from ..nearby.placed import Placed
 from .facing import Facing
@@ -23,8 +23,6 @@ LISTED: Final = "contact.faces"
 
 # Motion within a step may bring lines to half the distance at which they touch, or half as near as they are.
 _NEAREST = 0.5
-# A line that comes with a hair's breadth only would ask for any stiffness; no impact asks for more than this.
-_LARGEST = 1e9
 
 
 class SurfacePairs:
@@ -97,7 +95,7 @@ class SurfacePairs:
     def needed(self, x: FloatArray, ahead: FloatArray, t: float, dt: float, tolerance: float) -> float:
         """Factor of the stiffness that stops what comes.
 
-        Each line must be stopped by all that it faces together.
+        All lines of a body must be stopped by all that they face together.
         """
         every = self._all
         found = self._search.reaching(x, ahead)
@@ -126,7 +124,11 @@ class SurfacePairs:
         scale = every.factor(facing.pairs)
         for _, points, owner in facing.points(near, inside, rows, reach[inside], scale):
             np.add.at(held, facing.pairs[owner, 0], points.load)
-        return float((force / np.maximum(held[lines], force / _LARGEST + np.finfo(float).tiny)).max())
+        # where a side takes off all that a line faces, it holds what it would if it stood on its end
+        upright = every.factor(pairs) * depth**2 / every.lines.lengths[pairs[:, 0]]
+        least = np.full(len(lines), np.inf)
+        np.minimum.at(least, of, upright[coming])
+        return asked_for(force, np.maximum(held[lines], least), every.lines.bodies[lines])
 
     def longest_step(self, x0: FloatArray, x1: FloatArray, t0: float, t1: float) -> float:
         """Part of the way on which no line passes through a triangle."""

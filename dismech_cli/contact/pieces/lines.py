@@ -17,7 +17,7 @@ class Lines:
         radii: Half of the thickness [m], shape (E,).
         weights: Weight of the energy per length: 1 on rods, the width that an edge of a shell stands for [m],
             shape (E,).
-        masses: Of both ends together [kg], shape (E,).
+        masses: Of both ends together, which all lines of a shell share that meet there [kg], shape (E,).
         loads: Weight per length that must be carried [N/m], shape (E,).
         bodies: Body of each, shape (E,).
         names: Names of the bodies.
