@@ -1,4 +1,4 @@
-"""Contact that is killed at any moment: resumed from the last checkpoint it is the run that nothing disturbed."""
+"""Contact that is killed at any moment: resumed from a checkpoint it is the run that nothing disturbed."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ def test_killed_and_resumed_is_the_straight_run(nursery: Nursery, tmp_path: Path
     chance, folder, kills = random.Random(10), tmp_path / "killed", 0
     for _ in range(4):
         process = nursery.start(tmp_path, *command)
-        wait_until(lambda: folder.is_dir() and list(folder.glob("checkpoints/*.npz")) or finished(folder))
+        wait_until(lambda: list(folder.glob("checkpoints/*.npz")) or finished(folder))
         time.sleep(chance.uniform(0.0, 0.6))
         process.signal(signal.SIGKILL)
         kills += process.wait().code == -signal.SIGKILL
@@ -86,7 +86,8 @@ def test_killed_and_resumed_is_the_straight_run(nursery: Nursery, tmp_path: Path
     first, second = (read_table(tmp_path / run / "scalars.csv")[0] for run in ("killed", "straight"))
     for name in first.keys() - {"wall"}:
         assert_array_equal(first[name], second[name], err_msg=name)
-    assert first["contact"].any()
+    # it did touch, and rub
+    assert first["friction"][-1] > 0.0
 
 
 def finished(folder: Path) -> bool:

@@ -151,7 +151,7 @@ CHANGES: dict[str, tuple[Callable[[Deck, float], None], float]] = {
 }
 # A barrier that bodies start within.
 REFUSED = {("stacked_rods", "thick")}
-# What would start far within itself, as a warning says, by 80 % and more: no state to go on from, and minutes.
+# What would start within itself by 80 % and more, as a warning says: no state to go on from, in minutes.
 OVERLAPPING = {("flagella", "thick"), ("jellyfish_touch", "thick")}
 CELLS = [(name, change) for name in STARTS for change in CHANGES if (name, change) not in OVERLAPPING]
 GAVE_UP = re.compile(r"(the solver gave up at t = .*: \w[\w ]+|the motion blew up by t = .*)")
