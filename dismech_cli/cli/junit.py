@@ -8,14 +8,17 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
+from typing import TYPE_CHECKING
 from xml.etree.ElementTree import Element, SubElement, tostring
 
 from ..errors import DismechError
 from ..output.durable import write_bytes
-from ..session.drawing import Finished
 from ..session.exit_codes import Exit
-from ..session.verdicts import Verdict
-from ..studies.sweep.sweep import Swept
+
+if TYPE_CHECKING:
+    from ..session.drawing import Finished
+    from ..session.verdicts import Verdict
+    from ..studies.sweep.sweep import Swept
 
 
 def write_junit(file: Path, finished: Finished) -> None:

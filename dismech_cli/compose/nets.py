@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from scipy.spatial.distance import pdist
 
 from ..arrays import BoolArray, FloatArray, IntArray
 from ..kinematics.motion import Since, held_dofs, prescribe
@@ -68,5 +67,7 @@ def _nearer(model: Model, member: BoolArray) -> float:
 
 def _distances(positions: FloatArray, nodes: IntArray) -> FloatArray:
     """Between all pairs of nodes [m]."""
+    from scipy.spatial.distance import pdist
+
     distances: FloatArray = pdist(positions[nodes])
     return distances

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
-from scipy.spatial import KDTree
 
 from ...arrays import IntArray
 from ...mesh.measure import edge_lengths
@@ -120,6 +119,8 @@ def _two_nodes(apart: Apart, index: int) -> tuple[int, int]:
 
 def _found(apart: Apart, index: int, joint: AutoJoint, named: set[int]) -> Iterator[Pair]:
     """Pairs of nodes of different bodies at one place."""
+    from scipy.spatial import KDTree
+
     geometry, tolerance = apart.geometry, apart.near if joint.tolerance is None else joint.tolerance
     if tolerance > _NEAREST * apart.shortest:
         raise apart.loaded.error(

@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from itertools import combinations
 
 import numpy as np
-from scipy.spatial import KDTree
 
 from ...arrays import FloatArray, IntArray
 from ...mesh.measure import corner_angles
@@ -110,6 +109,10 @@ def _single_rows(scene: Scene, holds: tuple[Hold, ...]) -> Iterator[str]:
 def _touching(scene: Scene) -> Iterator[str]:
     """Bodies with nodes at one place that no joint made one."""
     geometry = scene.geometry
+    if len(geometry.body_nodes) < 2:
+        return
+    from scipy.spatial import KDTree
+
     size = float(np.ptp(geometry.nodes, axis=0).max())
     pairs = KDTree(geometry.nodes).query_pairs(_SAME_PLACE * size, output_type="ndarray")
     if not len(pairs):

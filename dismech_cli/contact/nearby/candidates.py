@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from itertools import combinations_with_replacement
 
 import numpy as np
-from scipy.spatial import KDTree
 
 from ...arrays import BoolArray, FloatArray, IntArray
 
@@ -69,6 +68,8 @@ def near_pairs(middles: FloatArray, sizes: FloatArray) -> IntArray:
         middles: Their centres [m], shape (E, 3).
         sizes: Their radii [m], shape (E,).
     """
+    from scipy.spatial import KDTree
+
     if len(sizes) < 2:
         return np.empty((0, 2), dtype=np.int64)
     members = _classes(sizes)
@@ -102,6 +103,8 @@ def near_between(
         second: Centres, shape (B, 3).
         second_size: Radii, shape (B,).
     """
+    from scipy.spatial import KDTree
+
     found = [np.empty((0, 2), dtype=np.int64)]
     ones = [(own, KDTree(first[own])) for own in _classes(first_size)]
     for others in _classes(second_size):

@@ -8,10 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from scipy.spatial import KDTree
 
 from ...arrays import FloatArray, IntArray
 from ..pieces.cores import beside, facing_node
@@ -22,6 +21,9 @@ from ..points.barrier import Closest
 from ..points.closest import closest_to_rigid
 from ..points.points import Points, round_points
 from ..points.secant import with_secant
+
+if TYPE_CHECKING:
+    from scipy.spatial import KDTree
 
 # Triangles within a class differ in size by at most this factor: one tree each.
 _CLASS: Final = 4.0
@@ -68,6 +70,8 @@ class RigidSurface:
     @classmethod
     def of(cls, vertices: FloatArray, triangles: IntArray, half: float) -> RigidSurface:
         """Of vertices [m] and triangles; arguments as the attributes."""
+        from scipy.spatial import KDTree
+
         corners = vertices[triangles]
         middles = corners.mean(axis=1)
         out = corners - middles[:, None]
