@@ -87,7 +87,7 @@ class Manifest:
         plan: The plan as the user is shown it.
         kernels: What ran them, ``numpy`` or ``numba``, whose last digits differ; empty in older runs.
         counters: Steps, Newton iterations, factorisations, rejected steps, ...
-        seconds: Wall time by phase [s].
+        seconds: Wall time by phase, and their sum as ``total`` [s].
         expectations: What each entry of ``expect:`` promised and the run gave, once it is done.
         probes: Value of each probe in the last frame.
         energy_error: Of the last frame [J]; None before there is one.

@@ -77,6 +77,7 @@ class Course:
     @classmethod
     def of(cls, simulation: Simulation, sink: Sink) -> Course:
         """Stand before the start of a run."""
+        stopwatch, tick = Stopwatch(), time.perf_counter()
         stepper = Stepper(
             simulation.model,
             simulation.integrator,
@@ -88,7 +89,8 @@ class Course:
         account.bind(stepper.system, 0.0)
         singular: list[Singular] = []
         observer = Observer(simulation, stepper, account, singular.append)
-        watched, stopwatch = Watched(simulation.watched), Stopwatch()
+        watched = Watched(simulation.watched)
+        stopwatch.book("bind", tick)
         validity = Validity(simulation.checks)
         return cls(
             simulation=simulation,
@@ -129,9 +131,8 @@ class Course:
 
     @property
     def seconds(self) -> dict[str, float]:
-        """Wall time by phase [s], with contact what it took in solving and observing."""
-        contact = {} if self.simulation.touched is None else {"contact": self.stepper.changing_seconds}
-        return {**self.stopwatch.seconds, **contact, "total": self.stopwatch.wall}
+        """Wall time of this process by phase [s]; what contact takes in steps is a phase of its own."""
+        return self.stopwatch.seconds
 
     def begin(self) -> Snapshot | None:
         """Start: the energy at rest is the zero of the account.
@@ -139,8 +140,10 @@ class Course:
         Returns:
             What the first frame shows.
         """
+        tick = time.perf_counter()
         self._prepare()
         self.account.start(self.state)
+        self.stopwatch.book("bind", tick)
         nothing = np.zeros_like(self.state.q)
         result = StepResult(self.state, Status.CONVERGED, 0, 0.0, nothing, -1)
         return self._show(self.state, result, 0.0)
@@ -149,13 +152,17 @@ class Course:
         """Start from a checkpoint."""
         for name, part in restore_all(self.parts(), arrays, numbers).items():
             setattr(self, name, part)
+        tick = time.perf_counter()
         self._prepare()
+        self.stopwatch.book("bind", tick)
 
     def checkpoint(self) -> None:
         """Save all parts."""
+        tick = time.perf_counter()
         arrays, numbers = save_all(self.parts())
         structure = {f"structure.{name}": array for name, array in self.simulation.structure.items()}
         self.sink.checkpoint(arrays | structure, numbers)
+        self.stopwatch.book("write", tick)
 
     def step(self) -> StepResult:
         """Try to reach the control's target; a step that fails leaves the run where it is.
@@ -165,11 +172,14 @@ class Course:
             ControlError: A controller fails.
         """
         target, tick = self.control.target, time.perf_counter()
+        touching = self.stepper.changing_seconds
         self._act(target)
         self._prepare()
         step = self.stepper.step if self.control.exhausted else self.stepper.attempt
         result = step(self.state, target - self.state.t)
         self.stopwatch.book("solve", tick)
+        if self.simulation.touched is not None:
+            self.stopwatch.move(self.stepper.changing_seconds - touching, "solve", "contact")
         self.counters.iterations += result.iterations
         if result.status is not Status.CONVERGED:
             return result
@@ -201,7 +211,9 @@ class Course:
             What the frame shows, if one was due.
         """
         before, dt = self.state, result.state.t - self.state.t
+        tick = time.perf_counter()
         self.account.advance(before, result.state, result.put_in, result.trail[1:-1])
+        tick = self.stopwatch.book("observe", tick)
         self._tell_contact(result.state)
         if result.ambiguous:
             self.ambiguity.taken(result.state.t)

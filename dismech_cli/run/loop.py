@@ -71,7 +71,7 @@ class Outcome:
         message: One or more lines for the user; empty when done.
         state: Last accepted state.
         counters: Steps, iterations, cuts, frames.
-        seconds: Wall time by phase [s].
+        seconds: Wall time of this process by phase [s].
         times: Times of the watched values [s].
         watched: Values of the watched probes after every step.
         doubts: What makes a run doubtful, a line each.

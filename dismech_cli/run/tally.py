@@ -40,14 +40,10 @@ class Counters:
 
 
 class Stopwatch:
-    """Wall time of a run; implements :class:`~dismech_cli.model.saved.Saved`.
-
-    Attributes:
-        seconds: Time of this process by phase [s].
-    """
+    """Wall time of a run; implements :class:`~dismech_cli.model.saved.Saved`."""
 
     def __init__(self) -> None:
-        self.seconds = dict.fromkeys(("solve", "observe", "write"), 0.0)
+        self._booked = dict.fromkeys(("bind", "solve", "observe", "write"), 0.0)
         self._before = 0.0
         self._began = time.monotonic()
 
@@ -55,6 +51,15 @@ class Stopwatch:
     def elapsed(self) -> float:
         """Time of this process [s]."""
         return time.monotonic() - self._began
+
+    @property
+    def seconds(self) -> dict[str, float]:
+        """Time of this process by phase, which add up to all of it [s].
+
+        ``bind`` makes the matrices, ``solve`` steps, ``observe`` looks at fields, probes and energies,
+        ``write`` writes; the rest is ``other``.
+        """
+        return {**self._booked, "other": self.elapsed - sum(self._booked.values())}
 
     @property
     def wall(self) -> float:
@@ -65,15 +70,20 @@ class Stopwatch:
         """Count the time since a tick as one of the phases.
 
         Args:
-            phase: Key of ``seconds``.
+            phase: ``bind``, ``solve``, ``observe`` or ``write``.
             since: The tick: a reading of :func:`time.perf_counter` [s].
 
         Returns:
             The next tick.
         """
         now = time.perf_counter()
-        self.seconds[phase] += now - since
+        self._booked[phase] += now - since
         return now
+
+    def move(self, seconds: float, source: str, target: str) -> None:
+        """Count some of the time of a phase as that of another [s]."""
+        self._booked[source] -= seconds
+        self._booked[target] = self._booked.get(target, 0.0) + seconds
 
     def arrays(self) -> Arrays:
         """None."""

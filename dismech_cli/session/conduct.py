@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -20,6 +21,7 @@ from ..scenario.load import LoadedScenario
 from .ending import Ending, conclude
 from .exit_codes import code_of
 from .narrator import Narrator
+from .phases import added
 from .sinks import Latest, Several, Telling
 
 
@@ -76,6 +78,7 @@ def conduct(session: Session, stop: StopRequest) -> Record:
     run_dir, narrator = session.run_dir, session.narrator
     recorder = Recorder(run_dir, session.loaded.scenario.output.writers, session.identity)
     latest = Latest()
+    tick = time.perf_counter()
     try:
         outcome = _run(session, recorder, latest, stop)
         recorder.close()
@@ -91,6 +94,9 @@ def conduct(session: Session, stop: StopRequest) -> Record:
             message = str(error) if isinstance(error, DismechError) else repr(error)
             _ended(session, "failed", Ending(code_of(error), message), latest)
         raise
+    # files were opened before the first step and closed after the last
+    around = time.perf_counter() - tick - sum(outcome.seconds.values())
+    outcome = replace(outcome, seconds=added(outcome.seconds, {"write": around}))
     ending = conclude(
         session.loaded.scenario,
         outcome,
@@ -136,10 +142,7 @@ def _ended(
 ) -> Manifest:
     """Save the manifest with the end of the run."""
     before = session.manifest
-    seconds = dict(before.seconds)
-    if outcome is not None:
-        seconds |= {name: before.seconds.get(name, 0.0) + s for name, s in outcome.seconds.items()}
-        seconds["total"] = outcome.seconds["total"]
+    seconds = added(before.seconds, outcome.seconds if outcome is not None else {})
     manifest = replace(
         before,
         status=status,

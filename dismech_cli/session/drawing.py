@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import tempfile
 import time
-from dataclasses import dataclass
+from contextlib import suppress
+from dataclasses import dataclass, replace
 from pathlib import Path
 
-from ..errors import DismechError
+from ..errors import DismechError, OutputError
 from ..output.read import read
-from ..output.run_directory import LOG_FILE
+from ..output.run_directory import LOG_FILE, RunLock
 from ..render.movie import Drawn, Wanted, render
 from ..render.plot import plot_scalars
 from ..render.settings import Format
@@ -19,6 +20,7 @@ from .computing import computed_field
 from .conduct import Record
 from .log import Logged
 from .narrator import Narrator
+from .phases import added
 from .picturing import asked_of, field_of, formats_of, settings_of
 
 
@@ -71,8 +73,13 @@ def draw_asked(record: Record, asked: Render, narrator: Narrator) -> Finished:
     except DismechError as error:
         logged.warn(f"no pictures: {error}\n  later: dismech render {record.run_dir}")
         return Finished(record)
-    logged.say(f"rendered in {time.perf_counter() - tick:.3g} s")
-    return Finished(record, tuple(pictures))
+    took = time.perf_counter() - tick
+    logged.say(f"rendered in {took:.3g} s")
+    manifest = replace(record.manifest, seconds=added(record.manifest.seconds, {"draw": took}))
+    # a process that goes on with the run already keeps its record
+    with suppress(OutputError), RunLock(record.run_dir):
+        manifest.save(record.run_dir)
+    return Finished(replace(record, manifest=manifest), tuple(pictures))
 
 
 def _parts(asked: Render) -> list[str]:

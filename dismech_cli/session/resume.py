@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -26,7 +27,11 @@ from .inputs import gather_inputs, refuse_other, refuse_other_plugins, stored_in
 from .log import Logged
 from .narrator import Narrator
 from .pause import Pause
+from .phases import added, lost
 from .verdicts import Verdict
+
+# Of all steps up to a checkpoint, in its numbers.
+_WALL = "stopwatch.wall"
 
 
 def proceed(
@@ -54,6 +59,7 @@ def proceed(
         OutputError: No checkpoint is readable, or a result cannot be written.
     """
     pause.limits()
+    tick = time.perf_counter()
     if not (run_dir / FILE_NAME).is_file():
         raise ScenarioError(f"{run_dir} is no run directory: it has no {FILE_NAME}")
     with RunLock(run_dir), stop_on_signals() as stop:
@@ -78,12 +84,23 @@ def proceed(
         kernels = (manifest.kernels or None) if recorded is None else str(recorded["kernels"])
         if kernels == "numba" and (fault := numba_fault()):
             raise ScenarioError(f"{run_dir} was run with numba, which {fault.text}")
+        tock = time.perf_counter()
         composition = composed(later, kernels, narrator, files)
+        built = time.perf_counter()
         if change.overrides:
             if checkpoint is not None:
                 checkpoint = moved(composition.simulation, checkpoint)
             manifest, recorded = keep(run_dir, manifest, recorded, checkpoint, change)
             logged.say(manifest.changes[-1])
+        wall = 0.0 if checkpoint is None else checkpoint.numbers[_WALL]
+        manifest = replace(
+            manifest,
+            seconds=added(
+                manifest.seconds,
+                lost(manifest.seconds, wall),
+                {"load": tock - tick, "build": built - tock},
+            ),
+        )
         manifest = replace(manifest, status="running", ended="", exit_code=None, message="", expectations=())
         manifest.save(run_dir)
         identity = recorded or _fresh_identity(run_dir, later, composition.plan.kernels, files)

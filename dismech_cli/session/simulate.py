@@ -20,6 +20,7 @@ from .exit_codes import Exit
 from .inputs import gather_inputs
 from .loops import doubtful_loops, nominal_step
 from .narrator import Narrator, Silent
+from .phases import added
 from .record import Prepared, record
 from .report import Report, Series, columns
 from .sinks import Memory, Several, Telling
@@ -96,7 +97,7 @@ def simulate(
         probes={name: scalars[name] for name in composition.simulation.probes},
         watched={name: Series(outcome.times, values) for name, values in outcome.watched.items()},
         warnings=(*loaded.warnings, *composition.plan.warnings, *doubts, *outcome.doubts),
-        seconds={**prepared.seconds, **outcome.seconds},
+        seconds=added(prepared.seconds, outcome.seconds),
         run_dir=None if out is None else Path(out),
         outcome=outcome,
         composition=composition,

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from itertools import combinations
 
 import numpy as np
 
@@ -129,21 +128,42 @@ def _found(apart: Apart, index: int, joint: AutoJoint, named: set[int]) -> Itera
         )
     shells = {shell.name for shell in geometry.shells}
     order = list(geometry.body_nodes)
-    wanted = sorted(joint.between, key=order.index) if joint.between else None
-    count, nearest = 0, np.inf
-    for one, two in [wanted] if wanted else combinations(order, 2):
+    wanted = [name for name in order if not joint.between or name in joint.between]
+    count = 0
+    for one, two in _near(geometry, wanted, tolerance):
         first, second = geometry.body_nodes[one], geometry.body_nodes[two]
         distance, partner = map(np.asarray, KDTree(geometry.nodes[first]).query(geometry.nodes[second]))
-        nearest = min(nearest, float(distance.min()))
         rigid = joint.join == "rigid" if joint.join else not shells.intersection((one, two))
         for k in np.flatnonzero(distance <= tolerance):
             nodes = (int(first[partner[k]]), int(second[k]))
             count += 1
             if named.isdisjoint(nodes):
                 yield Pair(index, nodes, rigid)
+    if len(wanted) < 2:
+        raise apart.loaded.error(("joints", index), "joins nothing: the scene has one body")
     if not count:
         raise apart.loaded.error(
             ("joints", index),
             f"joins nothing: no nodes of two bodies lie within {tolerance:.3g} m of each other; the nearest "
-            f"are {nearest:.3g} m apart",
+            f"are {_nearest(geometry, wanted):.3g} m apart",
         )
+
+
+def _near(geometry: Geometry, names: list[str], reach: float) -> list[tuple[str, str]]:
+    """Pairs of bodies that have nodes within reach of each other, in the order of their names."""
+    from scipy.spatial import KDTree
+
+    body = np.repeat(np.arange(len(names)), [len(geometry.body_nodes[name]) for name in names])
+    nodes = np.concatenate([geometry.body_nodes[name] for name in names])
+    close = KDTree(geometry.nodes[nodes]).query_pairs(reach, output_type="ndarray")
+    pairs = np.unique(np.sort(body[close], axis=1), axis=0)
+    return [(names[a], names[b]) for a, b in pairs if a != b]
+
+
+def _nearest(geometry: Geometry, names: list[str]) -> float:
+    """The least distance of nodes of different bodies [m]."""
+    from scipy.spatial import KDTree
+
+    parts = [geometry.nodes[geometry.body_nodes[name]] for name in names]
+    later = [KDTree(np.concatenate(parts[k + 1 :])).query(parts[k])[0] for k in range(len(parts) - 1)]
+    return min(float(np.min(distance)) for distance in later)
