@@ -16,7 +16,8 @@ from .loop_text import FASTMATH, LoopText
 from .numba_source import not_kept
 
 # Kernels are inlined into their loops, so that a loop that wants the residual alone computes nothing else.
-_KERNEL_OPTIONS: Any = {"fastmath": set(FASTMATH), "forceinline": True}
+# Nothing but these calls them: no wrapper for others is compiled.
+_KERNEL_OPTIONS: Any = {"fastmath": set(FASTMATH), "forceinline": True, "no_cfunc_wrapper": True}
 
 _REGISTERED: set[Callable[..., Any]] = set()
 

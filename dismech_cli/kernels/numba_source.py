@@ -8,7 +8,6 @@ each. As modules on disk the loops can be cached by Numba, which closures cannot
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from inspect import signature
 from typing import Any
 
 import numpy as np
@@ -177,9 +176,9 @@ def loop(x, out):
 """
 
 _CALL = """
-@jit
-def loop({arguments}):
-    return kernel({arguments})
+from dismech_cli.kernels.placed import placed
+
+loop = jit(placed(kernel, __name__, __file__))
 """
 
 
@@ -258,7 +257,7 @@ def map_source(function: Callable[..., Any], inputs: int, outputs: int) -> str:
 
 def call_source(function: Callable[..., Any]) -> str:
     """Module text of a function that has loops of its own: ``loop``."""
-    return _header(function) + _CALL.format(arguments=", ".join(signature(function).parameters))
+    return _header(function) + _CALL
 
 
 def _header(function: Callable[..., Any]) -> str:

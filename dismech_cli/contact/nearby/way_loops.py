@@ -34,7 +34,8 @@ def safe_way(x: FloatArray, way: FloatArray, nodes: IntArray, stop: FloatArray, 
         nearest: Least gap [m], shape (P,).
     """
     places, own = np.empty((5, 3)), np.empty((1, 5), dtype=np.int64)
-    own[0, :] = np.arange(5)
+    for i in range(5):
+        own[0, i] = i
     pair, cuts, pieces = np.empty((PAIR_ROWS, 3)), np.empty(11), np.empty((MOST_PIECES, 9))
     longest = 1.0
     for k in range(len(nodes)):

@@ -213,6 +213,7 @@ def vertex_pieces(
                 item[count] = k
                 write_piece(table, count, low, high, gap, slope, 1.0, 0.0, (0.0, 0.0, 0.0))
                 table[count, FACED] = 1.0
-                table[count, FACED + 1 : FACED + 5] = 0.0
+                for column in range(FACED + 1, FACED + 5):
+                    table[count, column] = 0.0
             count += 1
     return count
