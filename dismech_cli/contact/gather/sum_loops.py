@@ -9,7 +9,7 @@ import numpy as np
 
 from ...arrays import BoolArray, FloatArray, IntArray
 from ...geometry.kernel import loop
-from ...geometry.vectors import dot, self_outer
+from ...geometry.vectors import Vector, dot, self_outer
 from ..law.quadrature import second_derivative
 from .slot_loops import SKIPPED
 
@@ -96,6 +96,42 @@ def _add_in_space(slots: IntArray, row: int, n: int, total: FloatArray, values: 
 
 
 @loop
+def _add_above(
+    slots: IntArray, row: int, n: int, flat: FloatArray, up: Vector, values: FloatArray
+) -> None:
+    """Add factors (n (n + 1) / 2,) of pairs of nodes times n n^T of a normal; see :func:`_add_in_space`."""
+    xx, xy, xz, yy, yz, zz = self_outer(up)
+    m = 0
+    for i in range(n):
+        for j in range(i, n):
+            first, second, third = slots[row, 3 * m], slots[row, 3 * m + 1], slots[row, 3 * m + 2]
+            if first != SKIPPED:
+                level = flat[m]
+                if i != j:
+                    values[second] += level * xy
+                    values[third] += level * xz
+                    values[third + np.uint32(1)] += level * yz
+                    second += np.uint32(1)
+                    third += np.uint32(2)
+                values[first] += level * xx
+                values[first + np.uint32(1)] += level * xy
+                values[first + np.uint32(2)] += level * xz
+                values[second] += level * yy
+                values[second + np.uint32(1)] += level * yz
+                values[third] += level * zz
+            m += 1
+
+
+@loop
+def _join(flat: FloatArray, up: Vector, total: FloatArray) -> None:
+    """Add factors of pairs of nodes times n n^T of a normal to packed blocks."""
+    square = self_outer(up)
+    for m in range(len(flat)):
+        for q in range(6):
+            total[m, q] += flat[m] * square[q]
+
+
+@loop
 def _unpack(axes: IntArray, packed: FloatArray, total: FloatArray) -> None:
     """Write the entries that the model has of packed symmetric blocks (K, 6) as blocks (K, d, d)."""
     for m in range(len(packed)):
@@ -148,7 +184,7 @@ def add_squares(
     # sums of w_i w_j x x^T by pairs of nodes, and of w_i w_j |x|^2 above a face; of w_i x, and of w_i |x|
     total, flat = np.zeros((n * (n + 1) // 2, 6)), np.zeros(n * (n + 1) // 2)
     force, push = np.zeros((n, 3)), np.zeros(n)
-    above, up, blocks = False, (0.0, 0.0, 0.0), np.empty((len(flat), d, d))
+    above, beside, up, blocks = False, False, (0.0, 0.0, 0.0), np.empty((len(flat), d, d))
     for k in range(len(item)):
         x = (gap[0, k], gap[1, k], gap[2, k])
         m = 0
@@ -163,6 +199,7 @@ def add_squares(
                     flat[m] += level * weights[j, k]
                     m += 1
         else:
+            beside = True
             square = self_outer(x)
             for i in range(n):
                 drawn, level = pull[k] * weights[i, k], factors[k] * weights[i, k]
@@ -185,28 +222,26 @@ def add_squares(
                 for a in range(3):
                     force[i, a] = 0.0
                 push[i] = 0.0
-            if above:
-                square = self_outer(up)
-                for m in range(len(flat)):
-                    total[m, 0] += flat[m] * square[0]
-                    total[m, 1] += flat[m] * square[1]
-                    total[m, 2] += flat[m] * square[2]
-                    total[m, 3] += flat[m] * square[3]
-                    total[m, 4] += flat[m] * square[4]
-                    total[m, 5] += flat[m] * square[5]
-                    flat[m] = 0.0
-                above = False
-            if d == 3 and odd[row] < 0:
-                _add_in_space(slots, row, n, total, values)
+            if above and not beside and d == 3 and odd[row] < 0:
+                _add_above(slots, row, n, flat, up, values)
             else:
-                _unpack(axes, total, blocks)
-                if odd[row] < 0:
-                    _add_even(slots, flipped, row, n, blocks, values)
+                if above:
+                    _join(flat, up, total)
+                if d == 3 and odd[row] < 0:
+                    _add_in_space(slots, row, n, total, values)
                 else:
-                    _add_odd(entries, odd[row], n, blocks, values)
-            for m in range(len(total)):
-                for q in range(6):
-                    total[m, q] = 0.0
+                    _unpack(axes, total, blocks)
+                    if odd[row] < 0:
+                        _add_even(slots, flipped, row, n, blocks, values)
+                    else:
+                        _add_odd(entries, odd[row], n, blocks, values)
+                for m in range(len(total)):
+                    for q in range(6):
+                        total[m, q] = 0.0
+            if above:
+                for m in range(len(flat)):
+                    flat[m] = 0.0
+            above = beside = False
 
 
 @loop

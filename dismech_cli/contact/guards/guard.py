@@ -112,7 +112,7 @@ class Guard:
         if not len(found):
             return 1.0
         keys = self._all.parts(found)
-        stop = self._stop.nearest * self._all.traits(keys).thickness
+        stop = self._stop.nearest * self._all.reach(keys)
         return self._loops.safe_way(x0, x1 - x0, self._all.spans(keys), stop, np.zeros(len(keys)))
 
     def _look(self, x: FloatArray) -> _Seen:
@@ -121,7 +121,7 @@ class Guard:
             found = self._nearby.closer(x, self._stop.begin + _MARGIN)
             keys = self._all.parts(found) if len(found) else found
             nothing = np.empty(0)
-            thickness = self._all.traits(keys).thickness if len(keys) else nothing
+            thickness = self._all.reach(keys) if len(keys) else nothing
             distance = self._all.distances(x, keys, self._loops) if len(keys) else nothing
             self._seen = _Seen(x.copy(), keys, thickness, distance)
         return self._seen

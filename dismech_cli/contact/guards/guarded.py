@@ -10,7 +10,7 @@ import numpy as np
 from ...arrays import FloatArray, IntArray
 from ...kinematics.dofs import DofMap
 from ..drivers.loops import Loops
-from ..nearby.candidates import among
+from ..nearby.candidates import among, distinct
 from ..nearby.faces import Faces
 from ..nearby.neighbours import Neighbours
 from ..nearby.searches import Nearby, Searches
@@ -72,6 +72,9 @@ class Pairing(Protocol):
     def closest(self, ends: FloatArray) -> Closest:
         """Closest points of pairs with nodes (4, 3, K) [m]."""
 
+    def reach(self, keys: IntArray) -> FloatArray:
+        """Distance at which they touch [m], shape (K,)."""
+
     def traits(self, keys: IntArray) -> Traits:
         """What they are made of."""
 
@@ -120,6 +123,10 @@ class RodEdges:
         """Closest points of pairs."""
         return closest_of_segments(ends)
 
+    def reach(self, keys: IntArray) -> FloatArray:
+        """Distance at which they touch."""
+        return self.all.reach(self.all.pairs(keys))
+
     def traits(self, keys: IntArray) -> Traits:
         """What they are made of."""
         every, pairs = self.all, self.all.pairs(keys)
@@ -166,7 +173,7 @@ class SheetEdges:
     def keys(self, one: IntArray, other: IntArray) -> IntArray:
         """Keys of pairs of lines, the lower number first, ascending, each once."""
         low, high = np.minimum(one, other), np.maximum(one, other)
-        return np.unique(low * len(self.all.lines.nodes) + high)
+        return distinct(low * len(self.all.lines.nodes) + high)
 
     def nodes(self, keys: IntArray) -> IntArray:
         """The four nodes of each pair."""
@@ -188,17 +195,24 @@ class SheetEdges:
         """Closest points of pairs."""
         return closest_of_segments(ends)
 
+    def reach(self, keys: IntArray) -> FloatArray:
+        """Distance at which they touch."""
+        (first, second), every = self._pairs(keys).T, self.all
+        bodies, radii, own = every.lines.bodies, every.lines.radii, every.own_reach
+        own = np.where(bodies[first] == bodies[second], np.minimum(own[first], own[second]), np.inf)
+        return np.minimum(radii[first] + radii[second], own)
+
     def traits(self, keys: IntArray) -> Traits:
         """What they are made of."""
         every, pairs = self.all, self._pairs(keys)
         lines, one, other = every.lines, *every.lines.bodies[pairs].T
-        own = np.where(one == other, every.own_reach[pairs].min(axis=1), np.inf)
         stiff = (lines.lengths * lines.weights)[pairs]
         # rods come first, and never are what is faced
         scale = every.stiffness[one, other] * stiff.max(axis=1)
-        thickness = np.minimum(lines.radii[pairs].sum(axis=1), own)
         labels = every.labels[one, other]
-        return Traits(thickness, scale, every.friction[one, other], labels, every.signs[one, other])
+        return Traits(
+            self.reach(keys), scale, every.friction[one, other], labels, every.signs[one, other]
+        )
 
     def _pairs(self, keys: IntArray) -> IntArray:
         return np.stack(np.divmod(keys, len(self.all.lines.nodes)), axis=1)
@@ -242,7 +256,7 @@ class SheetNodes:
 
     def keys(self, nodes: IntArray, faces: IntArray) -> IntArray:
         """Keys of nodes and triangles, ascending, each once."""
-        return np.unique(nodes * len(self.all.surface.nodes) + faces)
+        return distinct(nodes * len(self.all.surface.nodes) + faces)
 
     def nodes(self, keys: IntArray) -> IntArray:
         """The node and the corners."""
@@ -266,17 +280,26 @@ class SheetNodes:
         """Closest points of pairs."""
         return closest_of_points(ends[0], ends[1:])
 
+    def reach(self, keys: IntArray) -> FloatArray:
+        """Distance at which they touch."""
+        every, (node, face) = self.all, self._pairs(keys)
+        pairs = np.column_stack((self.ends[node], face))
+        one, other = every.bodies(pairs)
+        own = np.where(one == other, self.own_reach[node], np.inf)
+        return np.minimum(every.thickness(pairs), own)
+
     def traits(self, keys: IntArray) -> Traits:
         """What they are made of."""
         every, (node, face) = self.all, self._pairs(keys)
-        line = self.ends[node]
-        pairs = np.column_stack((line, face))
+        pairs = np.column_stack((self.ends[node], face))
         one, other = every.bodies(pairs)
-        own = np.where(one == other, self.own_reach[node], np.inf)
-        thickness = np.minimum(every.thickness(pairs), own)
         labels = every.labels[one, other]
         return Traits(
-            thickness, every.factor(pairs), every.friction[one, other], labels, every.signs[one, other]
+            self.reach(keys),
+            every.factor(pairs),
+            every.friction[one, other],
+            labels,
+            every.signs[one, other],
         )
 
     def _pairs(self, keys: IntArray) -> tuple[IntArray, IntArray]:
@@ -342,13 +365,16 @@ class Eased:
         """Closest points of pairs."""
         return self.all.closest(ends)
 
-    def traits(self, keys: IntArray) -> Traits:
-        """What they are made of."""
-        traits = self.all.traits(keys)
-        thickness = traits.thickness.copy()
+    def reach(self, keys: IntArray) -> FloatArray:
+        """Distance at which they touch."""
+        thickness = self.all.reach(keys)
         near = among(keys, self.keys)
         thickness[near] = self.thickness[np.searchsorted(self.keys, keys[near])]
-        return replace(traits, thickness=thickness)
+        return thickness
+
+    def traits(self, keys: IntArray) -> Traits:
+        """What they are made of."""
+        return replace(self.all.traits(keys), thickness=self.reach(keys))
 
 
 def eased(pairing: Pairing, x: FloatArray, begin: float) -> Eased:
@@ -361,6 +387,6 @@ def eased(pairing: Pairing, x: FloatArray, begin: float) -> Eased:
     """
     keys = pairing.search(x, 0.0)
     ends = np.ascontiguousarray(x[pairing.nodes(keys)].transpose(1, 2, 0))
-    distance, thickness = pairing.closest(ends).distance, pairing.traits(keys).thickness
+    distance, thickness = pairing.closest(ends).distance, pairing.reach(keys)
     near = distance < begin * thickness
     return Eased(pairing, keys[near], distance[near] / begin)

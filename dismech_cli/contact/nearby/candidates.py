@@ -125,6 +125,15 @@ def _classes(sizes: FloatArray) -> list[IntArray]:
     return [np.flatnonzero(classes == one) for one in np.unique(classes)]
 
 
+def distinct(keys: IntArray) -> IntArray:
+    """Keys in order, each once; np.unique of NumPy 2.4 hashes, which takes many times longer here."""
+    ordered = np.sort(keys, axis=None)
+    new = np.ones(len(ordered), dtype=np.bool_)
+    np.not_equal(ordered[1:], ordered[:-1], out=new[1:])
+    once: IntArray = ordered[new]
+    return once
+
+
 def among(keys: IntArray, ordered: IntArray) -> BoolArray:
     """Which keys are among ascending ones."""
     if not len(ordered):

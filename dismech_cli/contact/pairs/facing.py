@@ -35,7 +35,7 @@ class Facing:
     nodes: IntArray
     junctions: Junctions
     # of the pairs last asked for, which seldom change from one trial point to the next
-    _last: dict[bytes, Shared] = field(init=False, repr=False, compare=False, default_factory=dict)
+    _last: list[Shared] = field(init=False, repr=False, compare=False, default_factory=list)
 
     @classmethod
     def of(cls, faces: Faces, keys: IntArray) -> Facing:
@@ -61,11 +61,9 @@ class Facing:
         """
         if not len(rows):
             return
-        shared = self._last.get(rows.tobytes())
-        if shared is None:
-            shared = Shared.of(self.junctions, rows)
-            self._last.clear()
-            self._last[rows.tobytes()] = shared
+        if not (self._last and np.array_equal(self._last[0].rows, rows)):
+            self._last[:] = [Shared.of(self.junctions, rows)]
+        (shared,) = self._last
         full_reach, full_factor = np.zeros((2, len(self.keys)))
         full_reach[rows], full_factor[rows] = reach, factor
         faced = Faced(which, self.nodes, full_reach, full_factor, self.junctions, shared)
