@@ -122,7 +122,7 @@ class Bench:
         if isinstance(search, FaceSearch):
             search._seen = search._way = None
         else:
-            search._measured = np.empty(0)
+            search._measured, search._asked = np.empty(0), None
         for guard in self.contacts._sources:
             if isinstance(guard, Guard):
                 guard._seen = None

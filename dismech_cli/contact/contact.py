@@ -5,6 +5,7 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import Final
 
 import numpy as np
 
@@ -33,6 +34,9 @@ from .pairs.surface_search import FaceSearch
 from .pieces.lines import Lines
 from .sums import deepest, summed, worst
 from .terms import FullFriction, NormalTerm, SymmetricFriction
+
+# The start of a step, an iterate and the next one.
+_KEPT: Final = 3
 
 HARDNESS, DEEPEST, WORST = "contact.hardness", "contact.deepest", "contact.worst"
 
@@ -128,6 +132,7 @@ class Contacts:
         self._deepest = self._by_end = np.zeros(len(contact.lines.nodes))
         self._worst = self._worst_by_end = np.zeros(4)
         self._end = np.empty((0, 3))
+        self._places: list[tuple[Configuration, FloatArray]] = []
         rough = contact.friction
         self._sources = tuple(contact.finding(contact, driver))
         self.couplings: tuple[Coupling, ...] = ()
@@ -156,7 +161,7 @@ class Contacts:
 
     def detect(self, c: Configuration) -> bool:
         """Find what touches; True if items came or went."""
-        x = self._space(c.q)
+        x = self._space(c)
         if not any([source.detect(x) for source in self._sources]):
             return False
         self._list()
@@ -164,7 +169,7 @@ class Contacts:
 
     def longest_step(self, start: Configuration, end: Configuration) -> float:
         """The part on which nothing passes through anything."""
-        x0, x1 = self._space(start.q), self._space(end.q)
+        x0, x1 = self._space(start), self._space(end)
         return min(source.longest_step(x0, x1, start.t, end.t) for source in self._sources)
 
     def reverses(self, start: Configuration, end: Configuration) -> bool:
@@ -179,7 +184,7 @@ class Contacts:
     def settle(self, end: Configuration) -> bool:
         """Whether nothing is deeper than the rule allows."""
         rule = self._contact.rule
-        self._end = self._space(end.q)
+        self._end = self._space(end)
         depths = [source.depths(self._end, end.t) for source in self._sources]
         depth = deepest(len(self._deepest), depths)
         self._by_end = np.maximum(self._deepest, depth)
@@ -227,11 +232,11 @@ class Contacts:
     def velocities(self, touching: Touching, c: Configuration, v: FloatArray) -> FloatArray:
         """Relative velocities at points of contact if the DOFs at ``c`` had velocities (n,), shape (3, K)."""
         source = self._sources[bisect_right(self._begins, touching.kind) - 1]
-        return source.velocities(touching, self._space(c.q), self._speed(v), c.t)
+        return source.velocities(touching, self._space(c), self._speed(v), c.t)
 
     def touch(self, c: Configuration) -> Touch:
         """Sums by pair of bodies."""
-        x = self._space(c.q)
+        x = self._space(c)
         depths = [source.depths(x, c.t) for source in self._sources]
         return summed(self._contact.pairs, self.touching(c), depths, self._friction, len(x))
 
@@ -254,19 +259,25 @@ class Contacts:
 
     def _needed(self, start: Configuration, dt: float) -> float:
         """Factor that stops in time what comes in a step."""
-        x = self._space(start.q)
+        x = self._space(start)
         ahead = x + dt * self._speed(start.v)
         tolerance = self._contact.rule.tolerance
         return max(source.needed(x, ahead, start.t, dt, tolerance) for source in self._sources)
 
     def _found(self, c: Configuration) -> Iterator[Touching]:
-        x, v = self._space(c.q), self._speed(c.v)
+        x, v = self._space(c), self._speed(c.v)
         for source, begin in zip(self._sources, self._begins, strict=False):
             for touching in source.touching(x, v, c.t, self._now.factor):
-                yield replace(touching, kind=begin + touching.kind)
+                yield replace(touching, kind=begin + touching.kind) if begin else touching
 
-    def _space(self, q: FloatArray) -> FloatArray:
-        return self._contact.map.space_positions(q)
+    def _space(self, c: Configuration) -> FloatArray:
+        """Places of nodes, kept for the last few trial points: the ends of a step are asked for often."""
+        for one, x in self._places:
+            if one is c:
+                return x
+        x = self._contact.map.space_positions(c.q)
+        self._places = [*self._places[1 - _KEPT :], (c, x)]
+        return x
 
     def _speed(self, v: FloatArray) -> FloatArray:
         return self._contact.map.embed(self._contact.map.positions(v))

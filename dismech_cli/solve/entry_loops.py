@@ -9,6 +9,33 @@ from ..geometry.kernel import loop
 
 
 @loop
+def find_places(dofs: IntArray, block: IntArray, start: IntArray, places: IntArray) -> int:
+    """Find where the blocks of DOFs of each clique begin; see :class:`.pattern.Blocks`.
+
+    Args:
+        dofs: Of cliques that are alike, shape (S, D).
+        block: Of each DOF, shape (n,).
+        start: Place of the first free DOF of its block, shape (n,).
+        places: Written clique by clique, shape (S D,).
+
+    Returns:
+        Blocks of a clique.
+    """
+    cliques, size = dofs.shape
+    count = 0
+    for k in range(size if cliques else 0):
+        if k == 0 or block[dofs[0, k]] != block[dofs[0, k - 1]]:
+            count += 1
+    for s in range(cliques):
+        at = s * count
+        for k in range(size):
+            if k == 0 or block[dofs[0, k]] != block[dofs[0, k - 1]]:
+                places[at] = start[dofs[s, k]]
+                at += 1
+    return count
+
+
+@loop
 def count_pairs(places: IntArray, m: int, both: bool, counts: IntArray) -> None:
     """Count pairs of blocks by the row that they lie in.
 

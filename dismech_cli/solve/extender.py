@@ -17,6 +17,7 @@ from .pattern import Blocks, Extension, SparsityPattern
 _Loop: TypeAlias = Callable[..., Any]
 
 LOOPS: Final[tuple[_Loop, ...]] = (
+    entry_loops.find_places,
     entry_loops.count_pairs,
     entry_loops.fill_pairs,
     entry_loops.spread_pairs,
@@ -42,6 +43,7 @@ class CompiledExtender:
     Attributes:
         base: The pattern.
         blocks: Its blocks of DOFs.
+        find: See :func:`.entry_loops.find_places`.
         count: See :func:`.entry_loops.count_pairs`.
         fill: See there.
         spread: See there.
@@ -50,6 +52,7 @@ class CompiledExtender:
 
     base: SparsityPattern
     blocks: Blocks
+    find: _Loop
     count: _Loop
     fill: _Loop
     spread: _Loop
@@ -59,7 +62,7 @@ class CompiledExtender:
         """Keys of all entries of cliques: the pairs of blocks in buckets by rows."""
         both, blocks = not self.base.symmetric, self.blocks
         m = len(blocks.width)
-        cliques = [blocks.places(coupling) for coupling in couplings]
+        cliques = [self._places(coupling) for coupling in couplings]
         counts = np.zeros(m + 1, dtype=np.int64)
         for places in cliques:
             self.count(places, m, both, counts)
@@ -74,6 +77,13 @@ class CompiledExtender:
             # rows are in order by now, with columns left behind their last one that are in them already
             self.spread(begin, columns, blocks.width, both, keys)
         return keys[:found]
+
+    def _places(self, coupling: Coupling) -> IntArray:
+        """Starts of the blocks of each clique, shape (S, blocks)."""
+        dofs, blocks = coupling.dofs, self.blocks
+        places = np.empty(dofs.size, dtype=np.int64)
+        count = self.find(dofs, blocks.of, blocks.start, places)
+        return places[: len(dofs) * count].reshape(len(dofs), count)
 
     def extended(self, entries: IntArray) -> Extension:
         """The pattern with more entries."""

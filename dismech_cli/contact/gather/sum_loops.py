@@ -96,9 +96,7 @@ def _add_in_space(slots: IntArray, row: int, n: int, total: FloatArray, values: 
 
 
 @loop
-def _add_above(
-    slots: IntArray, row: int, n: int, flat: FloatArray, up: Vector, values: FloatArray
-) -> None:
+def _add_above(slots: IntArray, row: int, n: int, flat: FloatArray, up: Vector, values: FloatArray) -> None:
     """Add factors (n (n + 1) / 2,) of pairs of nodes times n n^T of a normal; see :func:`_add_in_space`."""
     xx, xy, xz, yy, yz, zz = self_outer(up)
     m = 0
@@ -153,13 +151,13 @@ def add_squares(
     weights: FloatArray,
     gap: FloatArray,
     pull: FloatArray,
-    factors: FloatArray,
+    along: FloatArray,
     axis: FloatArray,
     e: FloatArray,
     r: FloatArray,
     values: FloatArray,
 ) -> None:
-    """Add forces, and factors (K,) times u u^T with u_i = w_i x to the matrix.
+    """Add forces, and stiffnesses along the gap (K,) times u u^T with u_i = w_i x to the matrix.
 
     Above a face all gaps of an item are along its normal: there the weights are summed first.
 
@@ -174,7 +172,7 @@ def add_squares(
         weights: Shape (n, K).
         gap: x, shape (3, K).
         pull: Of forces, shape (K,); see :mod:`.points`.
-        factors: Shape (K,).
+        along: Shape (K,).
         axis: 1 above a face, shape (K,); see :mod:`.points`.
         e: The normal of the face there, shape (3, K).
         r: Forces are added to, shape (DOFs,).
@@ -191,7 +189,7 @@ def add_squares(
         if axis[k] == 1.0:
             above, up = True, (e[0, k], e[1, k], e[2, k])
             height = dot(x, up)
-            factor = factors[k] * height * height
+            factor = along[k] * height * height
             for i in range(n):
                 push[i] += pull[k] * height * weights[i, k]
                 level = factor * weights[i, k]
@@ -202,7 +200,7 @@ def add_squares(
             beside = True
             square = self_outer(x)
             for i in range(n):
-                drawn, level = pull[k] * weights[i, k], factors[k] * weights[i, k]
+                drawn, level = pull[k] * weights[i, k], along[k] * weights[i, k]
                 for a in range(3):
                     force[i, a] += drawn * x[a]
                 for j in range(i, n):
@@ -254,14 +252,14 @@ def add_hessians(
     entries: IntArray,
     item: IntArray,
     weights: FloatArray,
-    spread: FloatArray,
     gap: FloatArray,
-    e: FloatArray,
     pull: FloatArray,
     along: FloatArray,
-    bend: FloatArray,
-    identity: FloatArray,
     axis: FloatArray,
+    e: FloatArray,
+    identity: FloatArray,
+    spread: FloatArray,
+    bend: FloatArray,
     r: FloatArray,
     values: FloatArray,
 ) -> None:

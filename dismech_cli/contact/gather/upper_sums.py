@@ -10,6 +10,7 @@ from ...arrays import BoolArray, FloatArray, IntArray
 from ...kernels.driver import Driver
 from ...kernels.linearization import Pattern
 from ..points.filled import Loop
+from ..points.points import Points
 from . import slot_loops, sum_loops
 from .stencils import BlockPlaces, Stencils
 from .touching import Touching
@@ -68,48 +69,12 @@ class UpperLoops:
 
     def add_squares(self, touching: Touching, r: FloatArray, values: FloatArray) -> None:
         """Add dE/dq and what the second derivatives have along the gaps."""
-        p, at = touching.points, self.places
-        self.loops.squares(
-            self.stencils.dofs,
-            self.stencils.axes,
-            at.slots,
-            at.flipped,
-            at.odd,
-            at.entries,
-            p.item,
-            p.weights,
-            p.gap,
-            p.pull,
-            p.along,
-            p.axis,
-            p.e,
-            r,
-            values,
-        )
+        self._add(self.loops.squares, touching.points, (), r, values)
 
     def add_hessians(self, touching: Touching, r: FloatArray, values: FloatArray) -> None:
         """Add dE/dq and the second derivatives."""
-        p, at = touching.points, self.places
-        self.loops.hessians(
-            self.stencils.dofs,
-            self.stencils.axes,
-            at.slots,
-            at.flipped,
-            at.odd,
-            at.entries,
-            p.item,
-            p.weights,
-            p.spread,
-            p.gap,
-            p.e,
-            p.pull,
-            p.along,
-            p.bend,
-            p.identity,
-            p.axis,
-            r,
-            values,
-        )
+        p = touching.points
+        self._add(self.loops.hessians, p, (p.identity, p.spread, p.bend), r, values)
 
     def add_symmetric(self, touching: Touching, block: FloatArray, values: FloatArray) -> None:
         """Add w_i w_j times a symmetric block of each point."""
@@ -118,3 +83,11 @@ class UpperLoops:
         self.loops.blocks(
             self.stencils.axes, at.slots, at.flipped, at.odd, at.entries, p.item, p.weights, flat, values
         )
+
+    def _add(
+        self, loop: Loop, p: Points, more: tuple[FloatArray, ...], r: FloatArray, values: FloatArray
+    ) -> None:
+        """Add by a loop that takes places, points and more of them."""
+        at, items = self.places, self.stencils
+        places = (items.dofs, items.axes, at.slots, at.flipped, at.odd, at.entries)
+        loop(*places, p.item, p.weights, p.gap, p.pull, p.along, p.axis, p.e, *more, r, values)

@@ -200,7 +200,7 @@ class SheetEdges:
         (first, second), every = self._pairs(keys).T, self.all
         bodies, radii, own = every.lines.bodies, every.lines.radii, every.own_reach
         own = np.where(bodies[first] == bodies[second], np.minimum(own[first], own[second]), np.inf)
-        return np.minimum(radii[first] + radii[second], own)
+        return np.asarray(np.minimum(radii[first] + radii[second], own))
 
     def traits(self, keys: IntArray) -> Traits:
         """What they are made of."""
@@ -210,9 +210,7 @@ class SheetEdges:
         # rods come first, and never are what is faced
         scale = every.stiffness[one, other] * stiff.max(axis=1)
         labels = every.labels[one, other]
-        return Traits(
-            self.reach(keys), scale, every.friction[one, other], labels, every.signs[one, other]
-        )
+        return Traits(self.reach(keys), scale, every.friction[one, other], labels, every.signs[one, other])
 
     def _pairs(self, keys: IntArray) -> IntArray:
         return np.stack(np.divmod(keys, len(self.all.lines.nodes)), axis=1)

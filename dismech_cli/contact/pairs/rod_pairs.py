@@ -57,10 +57,31 @@ class Rows:
         return cls(directed, segments, corners, meeting, until)
 
 
+@dataclass(frozen=True, slots=True)
+class Active:
+    """Rows of a kind that are looked at.
+
+    Attributes:
+        kind: Their kind.
+        rows: The rows, ascending, shape (K,).
+        owners: The pair that owns each, shape (K,).
+        reach: Distance at which they touch [m], shape (K,).
+        scale: Stiffness times rest length times sign, at factor one [N/m], shape (K,).
+    """
+
+    kind: int
+    rows: IntArray
+    owners: IntArray
+    reach: FloatArray
+    scale: FloatArray
+
+
 class RodPairs:
     """Finds lines of bodies that touch; implements :class:`.source.Source`."""
 
     steady = True
+    _last: IntArray
+    _active: tuple[Active, ...]
 
     def __init__(self, search: Search) -> None:
         """Find none yet."""
@@ -85,10 +106,18 @@ class RodPairs:
         active = np.flatnonzero(among(placed, self._search.within(x, 0.0)))
         if not len(active):
             return
-        rows, count = self._rows, len(placed)
+        # they seldom change from one trial point to the next
+        if not np.array_equal(active, self._last):
+            self._last, self._active = active, tuple(self._kinds(active))
+        for one in self._active:
+            yield self._touching(one, factor, x, v)
+
+    def _kinds(self, active: IntArray) -> Iterator[Active]:
+        """Rows of some of the pairs that have places, and those of vertices that they count too often."""
+        rows, count = self._rows, len(self._placed.keys)
         both = np.concatenate((active, active + count))
         reach, stiff = self._reach, self._stiff
-        yield self._touching(0, both, both, reach[both], factor * stiff[both], x, v)
+        yield Active(0, both, both, reach[both], stiff[both])
         met = rows.meeting[both].reshape(-1)
         sides = from_here_on(np.bincount(met[met >= 0], minlength=len(rows.corners)), rows.until)
         over = np.maximum(sides - 1, 0)
@@ -100,8 +129,7 @@ class RodPairs:
         last = np.zeros(len(rows.corners), dtype=np.int64)
         last[met[met >= 0]] = np.repeat(both, 2)[met >= 0]
         own = last[corners]
-        scale = -over[corners] * stiff[own]
-        yield self._touching(1, corners, own, reach[own], factor * scale, x, v)
+        yield Active(1, corners, own, reach[own], -over[corners] * stiff[own])
 
     def velocities(self, touching: Touching, x: FloatArray, v: FloatArray, t: float) -> FloatArray:
         """Relative velocities at points of contact [m/s], shape (3, K)."""
@@ -150,15 +178,17 @@ class RodPairs:
     def longest_step(self, x0: FloatArray, x1: FloatArray, t0: float, t1: float) -> float:
         """Part of the way on which no lines pass through each other."""
         every = self._all
-        pairs = every.pairs(self._search.coming(x0, x1, _NEAREST))
-        if not len(pairs):
+        keys = self._search.coming(x0, x1, _NEAREST)
+        if not len(keys):
             return 1.0
+        pairs = every.pairs(keys)
         stop, nearest = np.zeros(len(pairs)), _NEAREST * every.reach(pairs)
         return self._loops.safe_way(x0, x1 - x0, every.nodes(pairs), stop, nearest)
 
     def _lay_out(self, keys: IntArray) -> None:
         """What pairs with these keys touch with."""
         every, lines = self._all, self._all.lines
+        self._last, self._active = np.empty(0, dtype=np.int64), ()
         pairs = every.pairs(keys)
         touch = every.reach(pairs)
         self._rows = rows = Rows.of(lines.nodes, pairs, touch)
@@ -169,23 +199,14 @@ class RodPairs:
         self._friction = every.friction[first, second]
         self._labels, self._signs = every.labels[first, second], every.signs[first, second]
 
-    def _touching(
-        self,
-        kind: int,
-        rows: IntArray,
-        owners: IntArray,
-        reach: FloatArray,
-        factor: FloatArray,
-        x: FloatArray,
-        v: FloatArray,
-    ) -> Touching:
-        """Points of contact of some rows of a kind, each with the pair that owns it."""
-        stencils = self._stencils[kind]
-        find = (self._loops.segment_points, self._loops.vertex_points)[kind]
-        points = find(x, stencils.nodes, rows, reach, factor)
-        of = owners[np.searchsorted(rows, points.item)]
+    def _touching(self, one: Active, factor: float, x: FloatArray, v: FloatArray) -> Touching:
+        """Points of contact of some rows."""
+        stencils = self._stencils[one.kind]
+        find = (self._loops.segment_points, self._loops.vertex_points)[one.kind]
+        points = find(x, stencils.nodes, one.rows, one.reach, factor * one.scale)
+        of = one.owners[np.searchsorted(one.rows, points.item)]
         return Touching(
-            kind=kind,
+            kind=one.kind,
             stencils=stencils,
             points=points,
             friction=self._friction[of],

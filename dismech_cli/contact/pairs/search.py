@@ -32,11 +32,13 @@ class Search:
     def __init__(self, neighbours: Neighbours, loops: Loops) -> None:
         self.neighbours, self.loops = neighbours, loops
         self._thick = 2.0 * float(neighbours.lines.radii[neighbours.numbers].max(initial=0.0))
+        self._used = np.unique(neighbours.lines.nodes[neighbours.numbers])
         self.skin = SKIN * self._thick
         self._searched: FloatArray | None = None
         self.candidates: IntArray = np.empty((0, 2), dtype=np.int64)
         self._nodes, self._keys = np.empty((0, 4), dtype=np.int64), np.empty(0, dtype=np.int64)
         self.reach = self.distance = self._measured = np.empty(0)
+        self._asked: FloatArray | None = None
 
     def within(self, x: FloatArray, margin: float) -> IntArray:
         """Keys of pairs within reach and a margin in units of it, ascending."""
@@ -44,11 +46,17 @@ class Search:
         return self._keys[self.distance < (1.0 + margin) * self.reach]
 
     def measure(self, x: FloatArray) -> None:
-        """Find the candidates and their distances, if those known are not of these places."""
+        """Find the candidates and their distances, if those known are not of these places.
+
+        Whoever asks for places leaves them as they are.
+        """
+        if x is self._asked:
+            return
         self._look(x)
         if not np.array_equal(x, self._measured):
             self._measured = x.copy()
             self.distance = self.loops.segment_distances(x, self._nodes)
+        self._asked = x
 
     def closer(self, x: FloatArray, share: float) -> IntArray:
         """Keys of pairs nearer than a share of their reach, 1.25 at most, ascending."""
@@ -56,20 +64,27 @@ class Search:
 
     def coming(self, x0: FloatArray, x1: FloatArray, share: float) -> IntArray:
         """Keys of pairs that may come nearer than that on a straight way, ascending."""
-        pairs = self.reaching(x0, x1)
+        ways = _lengths(x1 - x0)
+        moved = 2.0 * float(ways[self._used].max(initial=0.0))
+        pairs = self._reaching(x0, moved)
         if pairs is not self.candidates:
             return self.neighbours.keys(pairs)
         self.measure(x0)
-        moved = np.sqrt(((x1 - x0) ** 2).sum(axis=1))[self.neighbours.lines.nodes].max(axis=1)
-        near = self.distance - moved[pairs].sum(axis=1) < share * self.reach
+        room = self.distance - share * self.reach
+        if not len(room) or moved < room.min():
+            return self._keys[:0]
+        one, other, first, second = (ways[ends] for ends in self._nodes.T)
+        near = room < np.maximum(one, other) + np.maximum(first, second)
         return np.asarray(self._keys[near])
 
     def reaching(self, x0: FloatArray, x1: FloatArray) -> IntArray:
         """Pairs that may come within reach of each other on a way, shape (P, 2)."""
-        used = self.neighbours.lines.nodes[self.neighbours.numbers]
-        moved = 2.0 * float(np.sqrt(((x1 - x0)[used] ** 2).sum(axis=-1)).max(initial=0.0))
-        self._look(x0, moved)
-        return self.candidates if moved + 2.0 * self._strayed(x0) <= self.skin else self.find(x0, moved)
+        return self._reaching(x0, 2.0 * float(_lengths((x1 - x0)[self._used]).max(initial=0.0)))
+
+    def _reaching(self, x: FloatArray, moved: float) -> IntArray:
+        """Pairs that may do so where the two nodes that move farthest move so far [m]."""
+        self._look(x, moved)
+        return self.candidates if moved + 2.0 * self._strayed(x) <= self.skin else self.find(x, moved)
 
     def find(self, x: FloatArray, more: float) -> IntArray:
         """Allowed pairs within reach and ``more`` [m], shape (P, 2)."""
@@ -89,9 +104,16 @@ class Search:
         self._nodes = self.neighbours.nodes(self.candidates)
         self._keys = self.neighbours.keys(self.candidates)
         self.reach = self.neighbours.reach(self.candidates)
-        self._measured = np.empty(0)
+        self._measured, self._asked = np.empty(0), None
 
     def _strayed(self, x: FloatArray) -> float:
         """How far a node has moved since the last search [m]."""
         assert self._searched is not None
-        return float(np.sqrt(((x - self._searched) ** 2).sum(axis=1).max(initial=0.0)))
+        return float(_lengths(x - self._searched).max(initial=0.0))
+
+
+def _lengths(ways: FloatArray) -> FloatArray:
+    """Of vectors (K, 3), shape (K,)."""
+    x, y, z = ways.T
+    lengths: FloatArray = np.sqrt(x * x + y * y + z * z)
+    return lengths
