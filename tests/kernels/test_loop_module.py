@@ -10,10 +10,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from dismech_cli.arrays import FloatArray
 from dismech_cli.energies.stretch import STRETCH, STRETCH_PLANAR
-from dismech_cli.geometry.kernel import kernel
+from dismech_cli.geometry.kernel import kernel, loop
 from dismech_cli.kernels import loop_module
-from dismech_cli.kernels.loop_text import map_text, stencil_text
+from dismech_cli.kernels.loop_text import call_text, map_text, stencil_text
 from dismech_cli.kernels.numba_driver import NumbaDriver
 
 pytest.importorskip("numba")
@@ -29,6 +30,13 @@ def double(x: Any) -> Any:
 def shift(x: Any) -> Any:
     """The components but the first."""
     return x[1:]
+
+
+@loop
+def halve(x: FloatArray) -> None:
+    """Halve all."""
+    for k in range(len(x)):
+        x[k] *= 0.5
 
 
 @pytest.fixture
@@ -173,3 +181,18 @@ def test_half_a_module_is_not_left_behind(places: tuple[Path, Path], monkeypatch
     with pytest.warns(UserWarning, match="No space left on device"):
         assert_works(loops())
     assert not [file for folder in places for file in folder.iterdir()]
+
+
+def test_a_loop_is_compiled_once_and_kept(places: tuple[Path, Path]) -> None:
+    """A function around it would be a second one; what is kept goes by its name."""
+    x = np.arange(4.0)
+    for hits in (0, 1):
+        made = loop_module.LoopModule(call_text(halve))
+        made.run("loop", x)
+        (compiled_one,) = made._module.loop.overloads.values()
+        assert "halve" not in compiled_one.fndesc.qualname
+        assert sum(made._module.loop.stats.cache_hits.values()) == hits
+        assert made._module.loop.py_func.__code__.co_code == halve.__code__.co_code
+    assert np.array_equal(x, 0.25 * np.arange(4.0))
+    names = {path.name.partition("-")[0] for path in places[0].rglob("*.nbi")}
+    assert names == {f"{call_text(halve).name}.loop"}
