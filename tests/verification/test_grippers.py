@@ -101,6 +101,34 @@ def test_torque_of_turns(tmp_path: Path, turns: float, at: str) -> None:
     assert_allclose(scalar(result, "external_work")[-1], expected[-1], rtol=1e-9)
 
 
+@pytest.mark.parametrize("axis", [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+def test_force_and_moment_of_a_turned_end(tmp_path: Path, axis: list[float]) -> None:
+    """A beam held at both ends, one turned across it by a small angle: 6 EI phi / L^2 and 4 EI phi / L.
+
+    The moment is read from the work, U = M phi / 2; both converge at second order.
+    """
+    angle, stiffness = 1e-3, 0.7 if axis[1] else 1.9
+    misses = []
+    for nodes in (21, 41):
+        deck = rod_deck(
+            line(nodes),
+            UNEQUAL,
+            dimension=3,
+            motions=[{"type": "clamp", "where": "rod.start"}, clamp("rod.end", turned(angle, axis))],
+            numerics=static(2),
+            output={"probes": {"force": {"reaction": "rod.end", "component": "magnitude"}}},
+        )
+        result = solve(tmp_path, deck)
+        force, moment = scalar(result, "force")[-1], 2.0 * scalar(result, "elastic")[-1] / angle
+        work = scalar(result, "external_work")[-1]
+        assert work == pytest.approx(0.5 * moment * angle, rel=1e-5)
+        misses.append(
+            (abs(force / (6.0 * stiffness * angle) - 1.0), abs(moment / (4.0 * stiffness * angle) - 1.0))
+        )
+    assert max(misses[1]) < 2e-3
+    assert (np.array(misses[1]) < 0.3 * np.array(misses[0])).all()
+
+
 def test_rotation_and_twist_along_the_rod_are_one(tmp_path: Path) -> None:
     """A turn about the rod's axis is a twist of the clamp, in time as well."""
     numerics = {"integrator": {"type": "tr_bdf2"}, "dt": 0.01, "t_end": 0.5}
