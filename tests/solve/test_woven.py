@@ -49,7 +49,7 @@ def _ran(simulation: Simulation, until: float) -> tuple[Outcome, Memory, list[An
     ("name", "until"),
     [
         ("cantilever_dynamic_1e6", 0.05),
-        ("serpentine", 0.2),
+        ("snake_21", 0.3),
         ("s_shape", 0.2),
         ("sinking_arc", 0.2),
         ("helix_soft", 0.2),
