@@ -91,6 +91,23 @@ def test_a_rod_over_sides_and_corners_has_no_ripple() -> None:
     assert np.ptp(forces) < 1e-10 * abs(np.mean(forces))
 
 
+@pytest.mark.parametrize(("turn", "ripple"), [(0.0, 0.64), (23.0, 0.07)])
+def test_a_ridge_over_the_edges_of_a_sheet_ripples_as_told(turn: float, ripple: float) -> None:
+    """A right-angled fold at the default depth; the guide has the table."""
+    edge, lower = 5.0, flat(20.0, 5.0)
+    a = np.radians(turn)
+    forces = []
+    for offset in (-2.5, -1.25, -0.4, -0.2, 0.0, 0.2, 0.4, 1.25):
+        (across, along, _), triangles = flat(2.0 * edge, edge)[0].T, flat(2.0 * edge, edge)[1]
+        x, y = np.cos(a) * across - np.sin(a) * along, np.sin(a) * across + np.cos(a) * along
+        nodes = np.stack((x + offset, y + 0.21 * edge, 0.95 * H + np.abs(across)), axis=1)
+        found, places = faces([lower, (nodes, triangles)], H)
+        forces.append(-gradient(found, places)[len(lower[0]) :].sum(axis=0))
+    lateral, normal = np.linalg.norm(np.array(forces)[:, :2], axis=1), np.array(forces)[:, 2]
+    assert 0.3 * ripple < np.ptp(normal) / normal.mean() < 1.1 * ripple
+    assert (lateral < 0.065 * normal).all()
+
+
 def crumpled(seed: int) -> tuple[object, object]:
     rng = np.random.default_rng(seed)
     lower, upper = flat(6.0, 1.5, jitter=0.2), flat(4.0, 1.0, turn=31.0, jitter=0.2)
