@@ -30,7 +30,13 @@ def solve_stage(problem: StageProblem, guess: FloatArray) -> NewtonResult:
     solved = problem.at_once(guess, _FULL_STEPS)
     if solved is not None:
         return NewtonResult(
-            solved.q, solved.residual, Status.CONVERGED, solved.iterations, solved.residual_norm, -1
+            solved.q,
+            solved.residual,
+            Status.CONVERGED,
+            solved.iterations,
+            solved.residual_norm,
+            -1,
+            frames=solved.frames,
         )
     with np.errstate(all="ignore"):
         result = _full_steps(problem, guess)

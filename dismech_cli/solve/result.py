@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import FloatArray
+from ..kinematics.rod_frames import FrameState
 from .assembly import Linearized
 from .problem import StageProblem
 from .status import Status
@@ -24,6 +25,7 @@ class NewtonResult:
         residual_norm: Largest free residual [N].
         worst: Global index of the DOF with the largest residual, or -1.
         indefinite: Whether the last tangent is known to have a negative eigenvalue.
+        frames: Frames at ``q``, where they were carried there; None where they are still to be.
     """
 
     q: FloatArray
@@ -33,6 +35,7 @@ class NewtonResult:
     residual_norm: float
     worst: int
     indefinite: bool = False
+    frames: FrameState | None = None
 
 
 def done(problem: StageProblem, q: FloatArray, now: Linearized, *, indefinite: bool) -> NewtonResult:

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..arrays import FloatArray, IntArray
 from ..kinematics.motion import Since, held_dofs, held_span
+from ..kinematics.rod_frames import FrameState
 from ..model.model import Model
 from ..model.state import State
 from .accelerations import LENGTH, balanced, rescaled, rubbed
@@ -227,15 +228,16 @@ class Stepper:
         """DOFs that follow a motion now, shape (K,)."""
         return self._binding.held
 
-    def accept(self, stage: Stage, before: State, q: FloatArray) -> State:
-        """The state at the end of a stage."""
+    def accept(self, stage: Stage, before: State, q: FloatArray, frames: FrameState | None = None) -> State:
+        """The state at the end of a stage, with its frames where they are known."""
         v, a = stage.finish(q)
         # Held DOFs move on a given path, massless ones (mid-edge normals) go where balance puts them:
         # their difference quotient is free of the integrator's ringing.
         led = self._binding.led
         v[led] = stage.mean_velocity(before, q, led)
         a[led] = 0.0
-        frames = self.model.frames.transport(before.frames, q).state
+        if frames is None:
+            frames = self.model.frames.transport(before.frames, q).state
         return State(stage.t_end, q, v, a, frames, before.inputs, before.memory)
 
     def _jumps(self, state: State) -> bool:
@@ -271,7 +273,7 @@ def through_stages(
             sure, spent = confirmed(again, solve, latest.q, still, result)
             iterations += spent
             ambiguous = ambiguous or not sure
-        latest = stepper.accept(stage, latest, result.q)
+        latest = stepper.accept(stage, latest, result.q, result.frames)
         trail.append(latest)
     # What holds a mass also moves it, along its path and not as the integrator would have it.
     held = stepper.held

@@ -7,7 +7,7 @@ nothing, and the stage is solved from the start by what can do more, and ends as
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import sqrt
 from typing import Any, Final
@@ -17,19 +17,18 @@ from numpy.typing import NDArray
 
 from ..arrays import FloatArray, IntArray
 from ..kernels.linearization import Linearization, all_symmetric
-from ..kernels.loop_text import LoopText, map_text
 from ..kernels.noted import Block, NotingDriver, NotWovenError
-from ..kinematics.rod_frames import EdgeTables, FrameState, TrialFrames, edge_frame, joint_reference_twist
+from ..kinematics.rod_frames import EdgeTables, FrameState, TrialFrames
 from ..model.configuration import Configuration
 from ..model.model import Model
 from ..model.term import BoundTerm, Term
 from .integrators import Stage
 from .linear import band_loops
 from .pattern import SparsityPattern
-from .woven_source import woven_source
+from .woven_source import woven_text
 
 # Wider bands are faster in LAPACK's blocks, and in larger systems Python hardly counts.
-_WIDEST, _MOST = 24, 8000
+_WIDEST, _MOST = 16, 8000
 _EPS: Final = float(np.finfo(np.float64).eps)
 
 
@@ -42,12 +41,14 @@ class Solved:
         residual: Full residual there, shape (n,).
         iterations: Factorisations done.
         residual_norm: Largest free residual [N].
+        frames: Frames at the end of the stage.
     """
 
     q: FloatArray
     residual: FloatArray
     iterations: int
     residual_norm: float
+    frames: FrameState
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,18 +67,14 @@ class _Parts:
     general: list[_Part]
 
     @property
-    def blocks(self) -> list[Block | None]:
-        """Their loops."""
-        return [part.block for part in (*self.symmetric, *self.general)]
+    def all(self) -> tuple[_Part, ...]:
+        """All, in the order in which they are added."""
+        return (*self.symmetric, *self.general)
 
-    def text(self, *, framed: bool) -> tuple[LoopText, tuple[LoopText, ...]]:
-        """The module of the step and those that it runs."""
-        blocks = [part.block for part in self.symmetric]
-        drags = [part.block for part in self.general if part.block is not None]
-        carry = (map_text(edge_frame, 10, 12), map_text(joint_reference_twist, 13, 1)) if framed else None
-        source = woven_source(blocks, drags, carry)
-        used = (*(block.text for block in (*blocks, *drags) if block is not None), *(carry or ()))
-        return LoopText.of(band_loops.cholesky, "step", source, "solve"), used
+    @property
+    def damped(self) -> bool:
+        """Whether any depends on velocities."""
+        return any(part.block is not None and "damping" in part.block.arguments for part in self.all)
 
 
 class Woven:
@@ -94,32 +91,44 @@ class Woven:
     ) -> None:
         """Prepare what does not change from stage to stage; see :func:`weave`."""
         self._solve, self._driver, self._tables = solve, driver, tables
-        both = (*parts.symmetric, *parts.general)
-        self._loops = [part.term for part in both if part.block is not None]
-        self._constant = [part.term for part in both if part.block is None]
+        constant = [part.term for part in parts.all if part.block is None]
+        self._rows = np.zeros((len(constant), model.dofs.n))
         self._into = Linearization.of(model.dofs.n, 1)
-        self._rows = np.zeros((len(self._constant), model.dofs.n))
-        self._no_frames = TrialFrames(model.frames.rest(model.rest), np.empty(0))
+        self._rest = TrialFrames(model.frames.rest(model.rest), np.empty(0))
         self._mass, self._split, self._length = model.mass, model.dofs.n_positions, model.length
-        self._place(pattern, parts.blocks)
+        self._place(pattern, parts)
+        loops = [part.term for part in parts.all if part.block is not None]
+        # the rows and the loops' parameters that change from stage to stage
+        self._later_rows = [(row, term) for row, term in zip(self._rows, constant, strict=True)]
+        self._later_loops = list(enumerate(loops))
+        self._looked = False
 
-    def _place(self, pattern: SparsityPattern, blocks: Sequence[Block | None]) -> None:
+    def _place(self, pattern: SparsityPattern, parts: _Parts) -> None:
         general = not pattern.symmetric
         width, m = pattern.bandwidth, pattern.m
         rows, columns = pattern.rows, pattern.indices
         step = 3 * width + 1 if general else width + 1
-        places = np.append(rows * step + columns - rows + (width if general else 0), m * step)
-        self._width, self._diagonal = width, _unsigned(places[pattern.diagonal])
+        # the last, beyond the rows of zeros, takes what is fixed
+        entries = (m + width) * step + 1
+        places = np.append(rows * step + columns - rows + (width if general else 0), entries - 1)
+        self._diagonal = _unsigned(places[pattern.diagonal])
         lower, upper = pattern.mirror() if general else (np.empty(0, dtype=np.int64),) * 2
         self._mirror = (_unsigned(places[lower]), _unsigned(places[upper]))
+        self._band = (
+            np.empty(entries),
+            np.empty(entries if parts.damped else 0),
+            np.empty(entries + 3 * (m + 2 * width)),
+            np.empty(m, dtype=np.int64),
+        )
         self._free = pattern.free
         self._at_node = pattern.free < self._split
         self._rounding = 2.0 * _EPS * sqrt(int(self._at_node.sum()))
-        self._fixed = [
-            (tuple(map(_unsigned, block.indices)), tuple(_unsigned(places[slots]) for slots in block.slots))
-            for block in blocks
-            if block is not None
-        ]
+        self._arguments: list[Any] = []
+        for part in parts.all:
+            if part.block is not None:
+                indices = tuple(map(_unsigned, part.block.indices))
+                slots = tuple(_unsigned(places[slots]) for slots in part.block.slots)
+                self._arguments += (None, indices, slots)
 
     def solve(
         self, stage: Stage, stored: FrameState, guess: FloatArray, limit: int, tolerance: float, extent: float
@@ -135,17 +144,8 @@ class Woven:
             extent: Size of the rest shape [m].
         """
         q, w = guess.copy(), stage.weights
-        c = Configuration(stage.t_stage, q, stage.v0, self._no_frames, stage.inputs)
-        for row, term in zip(self._rows, self._constant, strict=True):
-            row[:] = 0.0
-            term.add_residual(c, row)
-        self._driver.calls.clear()
-        for term in self._loops:
-            term.add_linearization(c, self._into)
-        arguments: list[Any] = []
-        for call, (indices, slots) in zip(self._driver.calls, self._fixed, strict=True):
-            arguments += (call.parameters, indices, slots)
-        iterations, norm, r = self._solve(
+        self._look(stage, q)
+        iterations, norm, r, carried, twists = self._solve(
             q,
             (w.q, w.v, w.a, tolerance, self._length, extent, self._rounding),
             limit,
@@ -155,13 +155,34 @@ class Woven:
             self._rows,
             self._free,
             self._at_node,
-            self._width,
             self._diagonal,
             self._mirror,
+            self._band,
             self._frames(stored),
-            *arguments,
+            *self._arguments,
         )
-        return None if iterations < 0 else Solved(q, r, iterations, norm)
+        if iterations < 0:
+            return None
+        frames = FrameState(carried[6:9], carried[9:12], twists[0]) if len(self._tables.angles) else stored
+        return Solved(q, r, iterations, norm, frames)
+
+    def _look(self, stage: Stage, q: FloatArray) -> None:
+        """Ask the terms for their constants and parameters in a stage; what is steady only once."""
+        if self._looked and not self._later_rows and not self._later_loops:
+            return
+        c = Configuration(stage.t_stage, q, stage.v0, self._rest, stage.inputs)
+        for row, term in self._later_rows:
+            row[:] = 0.0
+            term.add_residual(c, row)
+        self._driver.calls.clear()
+        for _, term in self._later_loops:
+            term.add_linearization(c, self._into)
+        for (k, _), call in zip(self._later_loops, self._driver.calls, strict=True):
+            self._arguments[3 * k] = call.parameters
+        if not self._looked:
+            self._looked = True
+            self._later_rows = [(row, term) for row, term in self._later_rows if not _steady(term)]
+            self._later_loops = [(k, term) for k, term in self._later_loops if not _steady(term)]
 
     def _frames(self, stored: FrameState) -> tuple[Any, ...]:
         t = self._tables
@@ -169,6 +190,12 @@ class Woven:
             return ()
         state = (stored.tangent, stored.director, stored.reference_twist)
         return (t.tails, t.heads, t.angles, t.joint_edges, t.joint_signs, *map(np.ascontiguousarray, state))
+
+
+def _steady(term: BoundTerm) -> bool:
+    """Whether a term is known to be the same at all times and under all inputs."""
+    potential = term.potential
+    return potential is not None and potential.steady
 
 
 def weave(model: Model, pattern: SparsityPattern, at: Configuration) -> Woven | None:
@@ -182,7 +209,7 @@ def weave(model: Model, pattern: SparsityPattern, at: Configuration) -> Woven | 
     tables = model.frames.tables
     if pattern.bandwidth > _WIDEST or pattern.m > _MOST or tables is None or model.changing:
         return None
-    if model.driver.compiled(band_loops.cholesky) is None:
+    if model.driver.compiled(band_loops.pivoted) is None:
         return None
     noting, parts = NotingDriver(), _Parts([], [])
     for term in model.terms:
@@ -193,7 +220,11 @@ def weave(model: Model, pattern: SparsityPattern, at: Configuration) -> Woven | 
         side.append(part)
     if pattern.symmetric == bool(parts.general):
         return None
-    solve = model.driver.woven(*parts.text(framed=len(tables.angles) > 0))
+    blocks = [part.block for part in parts.general if part.block is not None]
+    text = woven_text(
+        [part.block for part in parts.symmetric], blocks, pattern.bandwidth, framed=len(tables.angles) > 0
+    )
+    solve = model.driver.woven(*text)
     return None if solve is None else Woven(model, pattern, tables, noting, parts, solve)
 
 

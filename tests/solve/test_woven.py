@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -11,15 +12,16 @@ import pytest
 from numpy.testing import assert_allclose
 
 from dismech_cli.compose.compose import compose
+from dismech_cli.kernels.numba_driver import NumbaDriver
 from dismech_cli.run.loop import Limits, Outcome, run
 from dismech_cli.run.simulation import Simulation
 from dismech_cli.scenario.load import load
 from dismech_cli.session.sinks import Memory
-from dismech_cli.solve.linear import band_loops
 from dismech_cli.solve.status import Status
 from dismech_cli.solve.step import Stepper
 from dismech_cli.solve.system import System
 from dismech_cli.solve.woven import Woven
+from dismech_cli.solve.woven_iteration import iteration_text
 
 pytest.importorskip("numba")
 SCENARIOS = Path(__file__).parents[2] / "scenarios"
@@ -117,43 +119,48 @@ def test_a_step_that_fails_fails_as_it_did(monkeypatch: pytest.MonkeyPatch) -> N
     assert (ends[0].iterations, ends[0].worst) == (ends[2].iterations, ends[2].worst)
 
 
-@pytest.mark.parametrize(("m", "width"), [(1, 0), (3, 5), (40, 6), (60, 11)])
-def test_factors_of_bands(m: int, width: int) -> None:
+def _factors(width: int, *, symmetric: bool) -> Any:
+    """The compiled factors of a band."""
+    text = iteration_text(width, symmetric=symmetric)
+    NumbaDriver().woven(text, ())
+    return sys.modules[f"dismech_loops_{text.name}"]
+
+
+@pytest.mark.parametrize(("m", "width"), [(1, 0), (3, 5), (40, 6)])
+@pytest.mark.parametrize("symmetric", [True, False])
+def test_factors_of_bands(m: int, width: int, symmetric: bool) -> None:
     """Solutions have a residual of rounding; a matrix that is singular or indefinite is told."""
     rng = np.random.default_rng(m)
     full = rng.standard_normal((m, m))
     i, j = np.indices((m, m))
     full[np.abs(i - j) > width] = 0.0
-    spd = full @ full.T + np.eye(m)
-    spd[np.abs(i - j) > width] = 0.0
-    spd += m * np.eye(m) * np.abs(spd).max()
+    if symmetric:
+        full = full + full.T + 4.0 * (width + 1) * np.eye(m)
+    step, left = (width + 1, 0) if symmetric else (3 * width + 1, width)
+    keep = (j >= i) & (j - i <= width) if symmetric else np.abs(i - j) <= width
+    a = np.zeros((m + width) * step + 1)
+    a[(i * step + j - i + left)[keep]] = full[keep]
+    # what is fixed adds up beyond the matrix
+    a[-1] = np.nan
     b = rng.standard_normal(m)
 
-    upper = np.zeros(m * (width + 1))
-    keep = (j >= i) & (j - i <= width)
-    upper[(i * (width + 1) + j - i)[keep]] = spd[keep]
-    factor, x = upper.copy(), b.copy()
-    assert band_loops.cholesky(factor, width, m)
-    band_loops.solve_cholesky(factor, width, x)
-    assert_allclose(spd @ x, b, atol=1e-13 * m)
-    out = np.empty(m)
-    assert band_loops.symmetric_defect(upper, width, x, b, out) < 1e-13 * m
-    factor = upper.copy()
-    factor[(m // 2) * (width + 1)] *= -1.0
-    assert not band_loops.cholesky(factor, width, m)
+    band = _factors(width, symmetric=symmetric)
+    room, out, pivots = np.empty_like(a), np.empty(m + width), np.empty(m, dtype=np.int64)
+    x = np.concatenate((b, np.zeros(2 * width)))
+    assert band.factorize(a, room, pivots, x, m)
+    found = band.substitute(a, room, pivots, x, b, out, m)
+    rounding = 1e-15 * m**2 * np.abs(full).max() * np.abs(x).max()
+    assert_allclose(full @ x[:m], b, rtol=0.0, atol=rounding)
+    assert_allclose(out[:m], b - full @ x[:m], rtol=0.0, atol=rounding)
+    assert found == np.abs(out[:m]).max()
+    assert symmetric or m == 1 or (pivots != np.arange(m)).any()
 
-    rows = np.zeros(m * (3 * width + 1))
-    keep = np.abs(j - i) <= width
-    rows[(i * (3 * width + 1) + j - i + width)[keep]] = full[keep]
-    factor, x, pivots = rows.copy(), b.copy(), np.empty(m, dtype=np.int64)
-    assert band_loops.pivoted(factor, width, m, pivots)
-    band_loops.solve_pivoted(factor, width, pivots, x)
-    assert_allclose(full @ x, b, rtol=0.0, atol=1e-15 * m**2 * np.abs(full).max() * np.abs(x).max())
-    assert_allclose(
-        band_loops.defect(rows, width, x, b, out),
-        np.abs(b - full @ x).max(),
-        rtol=0.0,
-        atol=1e-12 * np.abs(x).max(),
-    )
-    assert m == 1 or (pivots != np.arange(m)).any()
-    assert not band_loops.pivoted(np.zeros_like(rows), width, m, pivots)
+    bad = a.copy()
+    if symmetric:
+        bad[(m // 2) * step] *= -1.0
+    else:
+        bad[:-1] = 0.0
+    assert not band.factorize(bad, room, pivots, x.copy(), m)
+    # a defect that is no number is not lost among numbers
+    b[m - 1] = np.nan
+    assert np.isnan(band.substitute(a, room, pivots, x, b, out, m))
