@@ -17,7 +17,8 @@ from numba import njit
 carry_edges = sys.modules["dismech_loops_{edges}"]
 carry_joints = sys.modules["dismech_loops_{joints}"]
 
-jit = njit(cache=True, fastmath={{"nsz", "arcp", "contract", "afn", "reassoc"}}, error_model="numpy")
+jit = njit(cache=True, fastmath={{"nsz", "arcp", "contract", "afn", "reassoc"}}, error_model="numpy",
+           no_cpython_wrapper=True, no_cfunc_wrapper=True)
 
 
 @jit
@@ -27,9 +28,11 @@ def store(frames):
     edges, joints = tangent.shape[1], len(twist)
     inputs, carried = np.empty((10, edges)), np.empty((12, edges))
     turning, twists = np.empty((13, joints)), np.empty((1, joints))
-    inputs[3:6] = tangent
-    inputs[6:9] = director
-    turning[12] = twist
+    for k in range(3):
+        for e in range(edges):
+            inputs[3 + k, e], inputs[6 + k, e] = tangent[k, e], director[k, e]
+    for j in range(joints):
+        turning[12, j] = twist[j]
     return inputs, carried, turning, twists
 
 

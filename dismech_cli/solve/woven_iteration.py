@@ -13,20 +13,21 @@ from .linear.band_source import general_source, symmetric_source
 
 _ITERATION = '''"""An iteration of Newton's method; written by dismech, do not edit."""
 
-from math import inf, isfinite, sqrt
+from math import isfinite, sqrt
 
 import numpy as np
 from numba import njit
 
-jit = njit(cache=True, fastmath={{"nsz", "arcp", "contract", "afn", "reassoc"}}, error_model="numpy")
+jit = njit(cache=True, fastmath={{"nsz", "arcp", "contract", "afn", "reassoc"}}, error_model="numpy",
+           no_cpython_wrapper=True, no_cfunc_wrapper=True)
 
 {factors}
 
 @jit
-def begin(q, numbers, stage, mass, free, diagonal, x, v, r, stiffness, damping):
+def begin(q, numbers, stage, mass, free, diagonal, x, v, r, stiffness, damping, memory):
     """Set out at a trial point: the state of the stage, and the tangent of the inertia."""
     wq, wv, wa = numbers[0], numbers[1], numbers[2]
-    q0, v0 = stage[0], stage[1]
+    q0, v0, a0 = stage
     for i in range(len(q)):
         x[i] = wq * q[i] + q0[i]
         v[i] = wv * q[i] + v0[i]
@@ -37,6 +38,7 @@ def begin(q, numbers, stage, mass, free, diagonal, x, v, r, stiffness, damping):
         damping[i] = 0.0
     for i in range(len(free)):
         stiffness[diagonal[i]] = wa / wq * mass[free[i]]
+    memory[0] = memory[1] = 0.0
 
 
 @jit
@@ -57,31 +59,32 @@ def reflect(mirror, stiffness, damping):
 
 
 @jit
-def gauge(r, split, force, moment):
-    """The larger of some squared sizes and those of a residual."""
+def gauge(r, split, memory):
+    """Remember the larger of the squared sizes of a residual: forces, then moments."""
     one, other = 0.0, 0.0
     for i in range(split):
         one += r[i] * r[i]
     for i in range(split, len(r)):
         other += r[i] * r[i]
-    return max(force, one), max(moment, other)
+    memory[0], memory[1] = max(memory[0], one), max(memory[1], other)
 
 
 @jit
-def small(one, other, force, moment, floor, tolerance, length):
-    most = max(moment, force * length)
-    return one <= tolerance * force + floor and other <= tolerance * most + floor * length
+def small(one, other, memory, floor, tolerance, length):
+    most = max(memory[1], memory[0] * length)
+    return one <= tolerance * memory[0] + floor and other <= tolerance * most + floor * length
 
 
 @jit
 def iterate(
-    q, numbers, stage, mass, split, free, at_node, diagonal, r, stiffness, damping, work, pivots,
-    force, moment, iteration, last, floor, settled,
+    q, numbers, stage, mass, split, free, at_node, diagonal, r, stiffness, damping, work, pivots, memory, left
 ):
-    """Judge a trial point and go on to the next.
+    """Judge a trial point and go on to the next: 0 where it is balance, -1 where there is none, else 1.
 
-    Returns 0 where it is balance, -1 where there is none to be found, else 1; the floor, whether the residual
-    was within it, and the largest residual.
+    Args:
+        memory: Sizes of forces, see above; the floor, 1 where the last residual was within it, the largest
+            residual, and how many points were judged.
+        left: How many more factorisations there may be.
     """
     wq, wv, wa, tolerance, length, extent, rounding = numbers
     a0, m = stage[2], len(free)
@@ -104,7 +107,7 @@ def iterate(
         inertia = mass[i] * (wa * q[i] + a0[i])
         r[i] += inertia
         turning += inertia * inertia
-    force, moment = sqrt(max(force, inertial)), sqrt(max(moment, turning))
+    memory[0], memory[1] = sqrt(max(memory[0], inertial)), sqrt(max(memory[1], turning))
     stiffest, one, other, most = 0.0, 0.0, 0.0, 0.0
     for i in range(m):
         value = -r[free[i]]
@@ -115,19 +118,21 @@ def iterate(
             one += value * value
         else:
             other += value * value
-    floor, one, other = min(floor, rounding * stiffest * far), sqrt(one), sqrt(other)
-    if not isfinite(floor + one + other):
-        return -1, floor, settled, most
-    at_floor = small(one, other, force, moment, floor, tolerance, length)
-    met = iteration > 0 and small(one, other, force, moment, 0.0, tolerance, length)
-    if one + other == 0.0 or (at_floor and (settled or met)):
-        return 0, floor, at_floor, most
     for i in range(m, room):
         x[i] = 0.0
-    if last or not factorize(stiffness, factors, pivots, x, m):
-        return -1, floor, at_floor, most
+    floor, one, other = min(memory[2], rounding * stiffest * far), sqrt(one), sqrt(other)
+    if not isfinite(floor + one + other):
+        return -1
+    at_floor = small(one, other, memory, floor, tolerance, length)
+    met = memory[5] > 0.0 and small(one, other, memory, 0.0, tolerance, length)
+    settled = memory[3] > 0.0
+    memory[2], memory[3], memory[4] = floor, 1.0 if at_floor else 0.0, most
+    memory[5] += 1.0
+    if one + other == 0.0 or (at_floor and (settled or met)):
+        return 0
+    if left == 0 or not factorize(stiffness, factors, pivots, x, m):
+        return -1
     found = substitute(stiffness, factors, pivots, x, rhs, out, m)
-    moved = 0.0
     if not found <= 1e-6 * most:
         step = np.empty(m)
         for i in range(m):
@@ -135,14 +140,15 @@ def iterate(
         factorize(stiffness, factors, pivots, x, m)
         found = substitute(stiffness, factors, pivots, x, rhs, out, m)
         if not found <= 0.1 * most:
-            return -1, floor, at_floor, most
+            return -1
         for i in range(m):
             x[i] += step[i]
+    moved = 0.0
     for i in range(m):
         q[free[i]] += x[i]
         if at_node[i]:
             moved += x[i] * x[i]
-    return (1 if sqrt(moved) <= 1e6 * extent else -1), floor, at_floor, most
+    return 1 if sqrt(moved) <= 1e6 * extent else -1
 '''
 
 

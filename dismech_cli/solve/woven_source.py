@@ -30,22 +30,22 @@ def solve(
     x, v, r = np.empty(len(q)), np.empty(len(q)), np.empty(len(q))
     stiffness, damping, work, pivots = band
     {begin}
-    floor, settled, norm = inf, False, 0.0
+    memory = np.empty(6)
+    memory[2], memory[3], memory[4], memory[5] = inf, 0.0, 0.0, 0.0
     for iteration in range(limit + 1):
-        newton.begin(q, numbers, stage, mass, free, diagonal, x, v, r, stiffness, damping)
+        newton.begin(q, numbers, stage, mass, free, diagonal, x, v, r, stiffness, damping, memory)
         {carry}
-        force, moment = 0.0, 0.0
         {terms}
-        state, floor, settled, norm = newton.iterate(
+        state = newton.iterate(
             q, numbers, stage, mass, split, free, at_node, diagonal, r, stiffness, damping, work, pivots,
-            force, moment, iteration, iteration == limit, floor, settled,
+            memory, limit - iteration,
         )
         if state < 0:
             break
         if state == 0:
             {end}
-            return iteration, norm, r, {frames}
-    return -1, norm, r, {frames}
+            return iteration, memory[4], r, {frames}
+    return -1, 0.0, r, {frames}
 '''
 
 _NO_FRAMES = {
@@ -61,7 +61,7 @@ _FRAMES = {
     "frames": "room[1], room[3]",
 }
 
-_GAUGE = "force, moment = newton.gauge(r, split, force, moment)"
+_GAUGE = "newton.gauge(r, split, memory)"
 
 
 def woven_text(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -120,10 +121,19 @@ def test_a_step_that_fails_fails_as_it_did(monkeypatch: pytest.MonkeyPatch) -> N
 
 
 def _factors(width: int, *, symmetric: bool) -> Any:
-    """The compiled factors of a band."""
+    """The compiled factors of a band, made to be called from here."""
+    from numba import njit
+
     text = iteration_text(width, symmetric=symmetric)
     NumbaDriver().woven(text, ())
-    return sys.modules[f"dismech_loops_{text.name}"]
+    band = sys.modules[f"dismech_loops_{text.name}"]
+    factorize, substitute = band.factorize, band.substitute
+    return SimpleNamespace(
+        factorize=njit(lambda a, factors, pivots, x, m: factorize(a, factors, pivots, x, m)),
+        substitute=njit(
+            lambda a, factors, pivots, x, b, out, m: substitute(a, factors, pivots, x, b, out, m)
+        ),
+    )
 
 
 @pytest.mark.parametrize(("m", "width"), [(1, 0), (3, 5), (40, 6)])

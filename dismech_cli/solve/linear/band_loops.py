@@ -1,9 +1,9 @@
-"""Factors of unsymmetric bands, row by row, for compiled steps: bands too narrow for LAPACK's blocks to pay.
+"""Factors of bands, row by row, for compiled steps: bands too narrow for LAPACK's blocks to pay.
 
-Rows hold (3 width + 1) numbers, those from ``width`` left of the diagonal on, with the room to the right
-that pivoting fills. Below the last row are ``width`` more of zeros, and vectors are longer by 2 ``width``: so
-every row has as many neighbours as any other, and where the width is a number in the text, loops over them
-are unrolled.
+Rows of unsymmetric ones hold (3 width + 1) numbers, those from ``width`` left of the diagonal on, with the
+room to the right that pivoting fills; rows of symmetric ones the diagonal and what is right of it. Below the
+last row are ``width`` more of zeros, and vectors are longer by 2 ``width``: so every row has as many neighbours
+as any other, and where the width is a number in the text, loops over them are unrolled.
 """
 
 from __future__ import annotations
@@ -65,6 +65,39 @@ def defect(a: FloatArray, width: int, m: int, x: FloatArray, b: FloatArray, out:
         here, total = i * step + width, b[i]
         for j in range(max(-width, -i), width + 1):
             total -= a[here + j] * x[i + j]
+        out[i] = total
+        size = abs(total)
+        if size > found or size != size:
+            found = size
+    return found
+
+
+@loop
+def solve_unit(factors: FloatArray, width: int, m: int, x: FloatArray) -> None:
+    """Solve L^T x = z in place, with the unit triangle L right of the diagonal."""
+    step = width + 1
+    for i in range(m - 1, -1, -1):
+        row, total = i * step, x[i]
+        # the nearest last: it is the one that is waited for
+        for k in range(width, 0, -1):
+            total -= factors[row + k] * x[i + k]
+        x[i] = total
+
+
+@loop
+def symmetric_defect(
+    a: FloatArray, width: int, m: int, x: FloatArray, b: FloatArray, out: FloatArray
+) -> float:
+    """The same of a symmetric band, ``out`` of shape (m + width,)."""
+    step, found = width + 1, 0.0
+    for i in range(m):
+        out[i] = b[i]
+    for i in range(m):
+        row = i * step
+        total = out[i] - a[row] * x[i]
+        for k in range(1, width + 1):
+            total -= a[row + k] * x[i + k]
+            out[i + k] -= a[row + k] * x[i]
         out[i] = total
         size = abs(total)
         if size > found or size != size:

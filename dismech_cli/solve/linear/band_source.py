@@ -7,7 +7,7 @@ and the defect b - A x in ``out``, shape (m + width,), and gives its largest ent
 Rows of a symmetric matrix hold the diagonal and what is right of it, (width + 1) numbers; those of others are
 as in :mod:`.band_loops`. Below the last row are ``width`` more of zeros.
 
-The text for symmetric ones is A = L D L^T in straight lines: the part of the matrix that a pivot changes
+That for symmetric ones is A = L D L^T in straight lines: the part of the matrix that a pivot changes
 stays in registers from one pivot to the next, which is three times as fast as loops over it.
 """
 
@@ -32,23 +32,13 @@ def factorize(a, factors, pivots, x, m):
 """
 
 _SUBSTITUTE = """
+from dismech_cli.solve.linear.band_loops import solve_unit, symmetric_defect
+
+
 @jit
 def substitute(a, factors, pivots, x, b, out, m):
-    {none}
-    found = 0.0
-    for i in range(m - 1, -1, -1):
-        row = i * {step}
-        x0 = x[i]{brought}
-        x[i] = x0
-        r0 = b[i] - a[row] * x0
-        {met}
-        out[i + {width}] = r{width}
-        size = abs(r{width})
-        if size > found or size != size:
-            found = size
-        {shifted}
-    {last}
-    return found
+    solve_unit(factors, {width}, m, x)
+    return symmetric_defect(a, {width}, m, x, b, out)
 """
 
 _GENERAL = """
@@ -78,13 +68,11 @@ def symmetric_source(width: int) -> str:
     """Text for symmetric matrices, positive definite or refused."""
     step, here = width + 1, range(1, width + 1)
     window = [(r, c) for r in range(width) for c in range(r, width)]
-    eliminated = [f"f{k} = w0_{k} * inverse" for k in here]
+    eliminated = [f"u{k} = w0_{k}" for k in here] + [f"f{k} = u{k} * inverse" for k in here]
     eliminated += [f"factors[row + {k}] = f{k}" for k in here]
-    eliminated += [f"z{k} = y{k} - f{k} * y0" for k in here]
-    eliminated += [f"y{k - 1} = z{k}" for k in here]
+    eliminated += ["z = y0"] + [f"y{k - 1} = y{k} - f{k} * z" for k in here]
     # row 0 of the window becomes what is left of row 1, and so on
-    eliminated += [f"n{r}_{c} = w{r + 1}_{c + 1} - f{r + 1} * w0_{c + 1}" for r, c in window]
-    eliminated += [f"w{r}_{c} = n{r}_{c}" for r, c in window]
+    eliminated += [f"w{r}_{c} = w{r + 1}_{c + 1} - f{r + 1} * u{c + 1}" for r, c in window]
     return _FACTORIZE.format(
         step=step,
         first=_lines(
@@ -98,22 +86,7 @@ def symmetric_source(width: int) -> str:
             8,
         ),
         eliminated=_lines(eliminated, 8),
-    ) + _SUBSTITUTE.format(
-        step=step,
-        width=width,
-        none=_lines([f"x{k} = r{k} = 0.0" for k in here], 4),
-        # the nearest last: it is the one that is waited for
-        brought="".join(f" - factors[row + {k}] * x{k}" for k in reversed(here)),
-        met=_lines([f"r0 -= a[row + {k}] * x{k}\n        r{k} -= a[row + {k}] * x0" for k in here], 8),
-        shifted=_lines([f"x{k} = x{k - 1}\n        r{k} = r{k - 1}" for k in reversed(here)], 8),
-        last=_lines(
-            [
-                f"out[{k - 1}] = r{k}\n    if abs(r{k}) > found or r{k} != r{k}:\n        found = abs(r{k})"
-                for k in here
-            ],
-            4,
-        ),
-    )
+    ) + _SUBSTITUTE.format(width=width)
 
 
 def _lines(statements: Sequence[str], indent: int) -> str:
