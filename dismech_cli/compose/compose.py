@@ -92,7 +92,9 @@ def compose(
     passive, forces = make_passive(scene, resting), make_forces(scene, resting)
     changing = make_changing(scene, resting)
     chosen = (
-        choose_kernels(scene, resting, (*passive.terms, *forces.all), changing.terms, repays)
+        choose_kernels(
+            scene, plan, _model(scene, resting, (*passive.terms, *forces.all), changing.terms), repays
+        )
         if kernels is None
         else Chosen(kernels, "as in the resumed run")
     )
@@ -149,7 +151,8 @@ def _with_kernels(plan: Plan, chosen: Chosen, deviation: Deviation) -> Plan:
         plan,
         kernels=chosen.kernels,
         compiling=chosen.compiling,
-        decisions=(*plan.decisions, decision, *deviation.told),
+        whole=chosen.whole,
+        decisions=(*plan.decisions, decision, *chosen.step, *deviation.told),
         warnings=(*plan.warnings, chosen.warning) if chosen.warning else plan.warnings,
     )
 

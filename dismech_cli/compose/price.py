@@ -12,6 +12,8 @@ from .numerics import build_integrator
 # Measured on one core of 2.5 GHz: seconds per Newton iteration, fixed, per edge and per triangle,
 # linear solve included; factors of a surface fill by a power of its size. Good within a factor of three.
 _ITERATION: Final = {"numpy": (1.2e-3, 3.0e-6, 4.0e-6), "numba": (0.2e-3, 1.2e-6, 1.0e-6)}
+# Frames of rods cost NumPy this much more in each, mostly in calls; compiled whole, rods cost this instead.
+_FRAMES, _WHOLE = 0.8e-3, (0.05e-3, 0.7e-6)
 _FILL, _FILL_POWER = 3.3e-7, 1.35
 # Besides its iterations a step costs this, for the account and what is watched, and contact this in each [s].
 _STEP: Final = {"numpy": 0.6e-3, "numba": 0.15e-3}
@@ -32,6 +34,7 @@ class Work:
         edges: Number of rod edges.
         triangles: Number of triangles.
         touching: Whether bodies may touch.
+        framed: Whether rods carry frames.
     """
 
     steps: float
@@ -39,10 +42,17 @@ class Work:
     edges: int
     triangles: int
     touching: bool
+    framed: bool = False
 
     @classmethod
     def of(
-        cls, numerics: Numerics, geometry: Geometry, *, touching: bool, steps: float | None = None
+        cls,
+        numerics: Numerics,
+        geometry: Geometry,
+        *,
+        touching: bool,
+        framed: bool,
+        steps: float | None = None,
     ) -> Work:
         """Count it.
 
@@ -50,6 +60,7 @@ class Work:
             numerics: Of the scenario.
             geometry: Its bodies.
             touching: Whether bodies may touch.
+            framed: Whether rods carry frames.
             steps: How many, where that is known better than from the numerics.
         """
         return cls(
@@ -58,11 +69,16 @@ class Work:
             edges=len(geometry.edges),
             triangles=len(geometry.triangles),
             touching=touching,
+            framed=framed,
         )
 
-    def seconds(self, kernels: str) -> float:
-        """Rough time [s] with ``numpy`` or ``numba``."""
+    def seconds(self, kernels: str, *, whole: bool = False) -> float:
+        """Rough time [s] with ``numpy`` or ``numba``, whose steps may be compiled whole."""
         fixed, edge, triangle = _ITERATION[kernels]
+        if whole:
+            fixed, edge = _WHOLE
+        elif self.framed:
+            fixed += _FRAMES if kernels == "numpy" else 0.0
         fill: float = _FILL * float(self.triangles) ** _FILL_POWER
         iteration = fixed + edge * self.edges + triangle * self.triangles + fill
         iteration += _CONTACT[kernels] if self.touching else 0.0

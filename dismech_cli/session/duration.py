@@ -48,15 +48,18 @@ def iteration_time(simulation: Simulation) -> float:
     return least
 
 
-def seconds(work: Work, kernels: str, iteration: float) -> float:
+def seconds(work: Work, kernels: str, iteration: float, *, whole: bool = False) -> float:
     """Rough time of a run [s].
 
     Args:
         work: What it has to do.
         kernels: What runs them: ``numpy`` or ``numba``.
-        iteration: Time to assemble and factorize [s].
+        iteration: Time to assemble and factorize, call by call [s].
+        whole: Whether steps are compiled whole: then a look at an iteration says nothing of them.
     """
-    price = work.seconds(kernels)
+    price = work.seconds(kernels, whole=whole)
+    if whole:
+        return work.steps * _STEP + price
     if not work.touching:
         return work.steps * _STEP + max(_SMOOTH * price, work.steps * work.iterations * _ALL * iteration)
     each = _ALL * iteration + (_SHELLS if work.triangles else _RODS)

@@ -13,7 +13,7 @@ from ..compose.compose import Composition, compose
 from ..compose.price import Work
 from ..compose.sizes import memory
 from ..compose.structure.kernels import alone
-from ..compose.structure.plan import Decision
+from ..compose.structure.plan import Bending, Decision
 from ..control.plugin import load_plugins
 from ..kinematics.motion import held_dofs
 from ..output.frame import Topology
@@ -215,8 +215,15 @@ def estimate(composition: Composition, numerics: Numerics) -> Cost:
     if simulation.frame_every > 0.0:
         frames = min(frames, int(end / simulation.frame_every * (1.0 + 1e-12)) + 1)
     solver = chosen_solver(model, pattern, simulation.linear_solver)
-    kernels = composition.plan.kernels
-    work = Work.of(numerics, composition.geometry, touching=bool(model.changing), steps=steps)
+    plan = composition.plan
+    look = 0.0 if plan.whole else iteration_time(simulation)
+    work = Work.of(
+        numerics,
+        composition.geometry,
+        touching=bool(model.changing),
+        framed=plan.bending is Bending.FRAMED,
+        steps=steps,
+    )
     return Cost(
         dofs=model.dofs.n,
         free=pattern.m,
@@ -226,8 +233,8 @@ def estimate(composition: Composition, numerics: Numerics) -> Cost:
         adaptive=numerics.adapts,
         iterations=work.iterations,
         frames=frames,
-        seconds=seconds(work, kernels, iteration_time(simulation)),
-        memory=memory(model, kernels, solver, pattern.nnz) + composition.neighbours,
+        seconds=seconds(work, plan.kernels, look, whole=plan.whole),
+        memory=memory(model, plan.kernels, solver, pattern.nnz) + composition.neighbours,
         disk=8.0 * frames * _numbers_per_frame(topology),
     )
 

@@ -9,7 +9,9 @@ import numpy as np
 
 from ..arrays import BoolArray, FloatArray
 from ..kernels.linearization import Coupling, all_symmetric
+from ..kernels.loop_text import LoopText
 from ..kernels.projection import ProjectedDriver
+from ..kinematics.motion import held_dofs
 from ..kinematics.rod_frames import FrameState
 from ..model.configuration import Configuration
 from ..model.model import Model
@@ -24,6 +26,7 @@ from .linear.factors import LinearSolver
 from .overlay import Overlay, convexly, exactly
 from .pattern import Outline, Sized, SparsityPattern
 from .trials import Trials, at, trial
+from .weaving import too_many, weaving
 from .woven import Woven, weave
 
 _EPS = float(np.finfo(np.float64).eps)
@@ -58,6 +61,25 @@ def chosen_solver(model: Model, pattern: Sized, wanted: str) -> str:
         return "dense"  # which alone takes a matrix without rows
     spreads = any(term.spreads for term in model.changing)
     return choose_solver(pattern, spreads=spreads) if wanted == "auto" else wanted
+
+
+def step_loops(model: Model, solver: str = "auto") -> tuple[tuple[LoopText, ...], str]:
+    """The modules of the compiled step of a model that starts at rest, its own last, or why it has none.
+
+    Args:
+        model: The semi-discrete system.
+        solver: Key of ``LINEAR_SOLVERS``, or ``"auto"``.
+    """
+    free = ~held_dofs(model.motions, model.dofs.n, 0.0)
+    if why_not := too_many(int(free.sum())):
+        return (), why_not
+    pattern = base_pattern(model, free)
+    if LINEAR_SOLVERS[chosen_solver(model, pattern, solver)] is not BandedSolver:
+        return (), "the matrix is no narrow band"
+    nothing = np.zeros(model.dofs.n)
+    frames = model.frames.transport(model.frames.rest(model.rest), model.rest)
+    found = weaving(model, pattern, Configuration(0.0, model.rest, nothing, frames))
+    return (() if found.text is None else (*found.below, found.text)), found.why_not
 
 
 class System:

@@ -1,8 +1,7 @@
 """Stages solved in one compiled function, without Python between the iterations.
 
-It takes chains and trees whose terms are loops of a driver or constant within a stage, on narrow bands. It
-knows full steps alone, with tangents that need no second thought: where a stage is not solved so, it says
-nothing, and the stage is solved from the start by what can do more, and ends as it would have ended.
+Such a step knows full steps alone, with tangents that need no second thought: where a stage is not solved so,
+it says nothing, and the stage is solved from the start by what can do more, and ends as it would have ended.
 """
 
 from __future__ import annotations
@@ -16,19 +15,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import FloatArray, IntArray
-from ..kernels.linearization import Linearization, all_symmetric
-from ..kernels.noted import Block, NotingDriver, NotWovenError
+from ..kernels.linearization import Linearization
 from ..kinematics.rod_frames import EdgeTables, FrameState, TrialFrames
 from ..model.configuration import Configuration
 from ..model.model import Model
-from ..model.term import BoundTerm, Term
+from ..model.term import BoundTerm
 from .integrators import Stage
 from .linear import band_loops
 from .pattern import SparsityPattern
-from .woven_source import woven_text
+from .weaving import Parts, Weaving, weaving
 
-# Wider bands are faster in LAPACK's blocks, and in larger systems Python hardly counts.
-_WIDEST, _MOST = 16, 8000
 _EPS: Final = float(np.finfo(np.float64).eps)
 
 
@@ -51,32 +47,6 @@ class Solved:
     frames: FrameState
 
 
-@dataclass(frozen=True, slots=True)
-class _Part:
-    """A term of the step: a loop, or constant within a stage."""
-
-    term: BoundTerm
-    block: Block | None
-
-
-@dataclass(frozen=True, slots=True)
-class _Parts:
-    """All of them, those with symmetric tangents apart."""
-
-    symmetric: list[_Part]
-    general: list[_Part]
-
-    @property
-    def all(self) -> tuple[_Part, ...]:
-        """All, in the order in which they are added."""
-        return (*self.symmetric, *self.general)
-
-    @property
-    def damped(self) -> bool:
-        """Whether any depends on velocities."""
-        return any(part.block is not None and "damping" in part.block.arguments for part in self.all)
-
-
 class Woven:
     """The compiled step of a system."""
 
@@ -85,11 +55,11 @@ class Woven:
         model: Model,
         pattern: SparsityPattern,
         tables: EdgeTables,
-        driver: NotingDriver,
-        parts: _Parts,
+        woven: Weaving,
         solve: Callable[..., Any],
     ) -> None:
         """Prepare what does not change from stage to stage; see :func:`weave`."""
+        driver, parts = woven.driver, woven.parts
         self._solve, self._driver, self._tables = solve, driver, tables
         constant = [part.term for part in parts.all if part.block is None]
         self._rows = np.zeros((len(constant), model.dofs.n))
@@ -103,7 +73,7 @@ class Woven:
         self._later_loops = list(enumerate(loops))
         self._looked = False
 
-    def _place(self, pattern: SparsityPattern, parts: _Parts) -> None:
+    def _place(self, pattern: SparsityPattern, parts: Parts) -> None:
         general = not pattern.symmetric
         width, m = pattern.bandwidth, pattern.m
         rows, columns = pattern.rows, pattern.indices
@@ -207,49 +177,13 @@ def weave(model: Model, pattern: SparsityPattern, at: Configuration) -> Woven | 
         at: Some configuration.
     """
     tables = model.frames.tables
-    if pattern.bandwidth > _WIDEST or pattern.m > _MOST or tables is None or model.changing:
+    if tables is None or model.driver.compiled(band_loops.pivoted) is None:
         return None
-    if model.driver.compiled(band_loops.pivoted) is None:
+    found = weaving(model, pattern, at)
+    if found.text is None:
         return None
-    noting, parts = NotingDriver(), _Parts([], [])
-    for term in model.terms:
-        side = parts.symmetric if all_symmetric(term.couplings) else parts.general
-        part = _part(pattern, noting, term, at)
-        if part is None:
-            return None
-        side.append(part)
-    if pattern.symmetric == bool(parts.general):
-        return None
-    blocks = [part.block for part in parts.general if part.block is not None]
-    text = woven_text(
-        [part.block for part in parts.symmetric], blocks, pattern.bandwidth, framed=len(tables.angles) > 0
-    )
-    solve = model.driver.woven(*text)
-    return None if solve is None else Woven(model, pattern, tables, noting, parts, solve)
-
-
-def _part(pattern: SparsityPattern, noting: NotingDriver, term: Term, at: Configuration) -> _Part | None:
-    """A term as a part of the step; None where it can be none.
-
-    It can where it runs one loop at the point that it is given and adds nothing itself, or where it has no
-    tangent, so that it depends on neither positions nor velocities.
-    """
-    noting.calls.clear()
-    into = Linearization.of(len(at.q), pattern.slots)
-    try:
-        bound = term.bind(pattern, noting)
-        bound.add_linearization(at, into)
-    except NotWovenError:
-        return None
-    if into.rank_ones or into.stiffness.any() or into.damping.any():
-        return None
-    if not noting.calls:
-        constant = not term.couplings and not term.velocity_dependent
-        return _Part(bound, None) if constant else None
-    (call, *others) = noting.calls
-    here = (call.q is None or call.q is at.q) and (call.v is None or call.v is at.v)
-    alone = not others and here and not into.residual.any()
-    return _Part(bound, call.block) if alone else None
+    solve = model.driver.woven(found.text, found.below)
+    return None if solve is None else Woven(model, pattern, tables, found, solve)
 
 
 def _unsigned(indices: IntArray) -> NDArray[np.uint32]:

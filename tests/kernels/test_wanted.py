@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from dismech_cli.compose.compose import compose
-from dismech_cli.compose.structure.kernels import wanted_loops
+from dismech_cli.compose.structure.kernels import wanted
 from dismech_cli.kernels import numba_driver
 from dismech_cli.kernels.kept import missing
 from dismech_cli.run.loop import Limits
@@ -38,7 +38,8 @@ def _wanted(name: str) -> set[str]:
     from dismech_cli.compose import compose as module
 
     def noting(*arguments: object) -> object:
-        texts = wanted_loops(*arguments[1:4])  # type: ignore[arg-type]
+        scene, _, model, _ = arguments
+        texts = wanted(model, scene.scenario.numerics).loops  # type: ignore[attr-defined, arg-type]
         found.update(text.name for text in texts)
         found.add(f"missing {missing(texts)}")
         return module.Chosen("numpy", "")
@@ -56,9 +57,6 @@ def test_what_is_wanted_is_what_a_run_compiles(name: str, new_cache: Path) -> No
     assert f"missing {len(wanted)}" in before
     simulate(SCENARIOS / f"{name}.yaml", kernels="numba", limits=Limits(until=1e-300))
     compiled = {path.name.partition(".")[0] for path in new_cache.rglob("*.nbi")}
-    compiled = {
-        loop for loop in compiled if "_step_" not in loop
-    }  # woven of the others, once there is a system
     # friction and faces of this or that scene are compiled when something comes near
     assert compiled <= wanted
     assert name == "crossed_rods" or (compiled == wanted and "missing 0" in _wanted(name))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from typing import Final, TypeAlias
 
@@ -11,14 +11,16 @@ from ...kernels.kept import missing
 from ...kernels.loop_text import LoopText
 from ...kernels.wanted import WantedLoops
 from ...model.measure import NoPattern
-from ...model.term import ChangingTerm, Term
+from ...model.model import Model
+from ...scenario.language.numerics import Numerics, Static
 from ...solve.extender import LOOPS as EXTENDER
+from ...solve.system import step_loops
 from ..price import Work
 from ..scene import Scene
-from .structure import Structure
+from .plan import Bending, Decision, Plan
 
 # Measured on one core of 2.5 GHz [s]: to import Numba and load what it kept; to compile a module of loops.
-_LOADING, _COMPILING = 0.8, 1.0
+_LOADING, _COMPILING = 0.8, 1.3
 # Loops stay compiled for the runs that follow: they need not repay in one.
 _RUNS: Final = 10.0
 
@@ -45,44 +47,73 @@ class Chosen:
         why: The reason.
         warning: What is doubtful about that; empty if nothing.
         compiling: How many modules of loops are compiled first.
+        step: What is said of steps; empty where Python takes them in any case.
+        whole: Whether steps are compiled whole.
     """
 
     kernels: str
     why: str
     warning: str = ""
     compiling: int = 0
+    step: tuple[Decision, ...] = ()
+    whole: bool = False
 
 
-def wanted_loops(
-    structure: Structure, terms: Iterable[Term], changing: Iterable[ChangingTerm]
-) -> Collection[LoopText]:
+@dataclass(frozen=True, slots=True)
+class Wanted:
+    """What a model would run, if it were compiled.
+
+    Attributes:
+        loops: The modules of all loops, those of a step among them.
+        why_not: Why steps are not compiled whole; empty where they are.
+    """
+
+    loops: Collection[LoopText]
+    why_not: str
+
+    @property
+    def step(self) -> Decision:
+        """What is said of steps."""
+        if self.why_not:
+            return Decision("steps in Python, kernel by kernel", self.why_not)
+        return Decision("steps compiled whole", "all that acts are loops on a narrow band")
+
+
+def wanted(model: Model, numerics: Numerics) -> Wanted:
     """The loops that a model would run, if they were compiled."""
-    wanted, nowhere = WantedLoops(), NoPattern(len(structure.rest))
-    frames = structure.run_by(wanted).frames
-    frames.transport(frames.rest(structure.rest), structure.rest)
-    for term in terms:
-        term.bind(nowhere, wanted)
-    for one in changing:
-        one.start(wanted)
+    driver, nowhere = WantedLoops(), NoPattern(len(model.rest))
+    frames = model.frames.run_by(driver)
+    frames.transport(frames.rest(model.rest), model.rest)
+    for term in model.terms:
+        term.bind(nowhere, driver)
+    for one in model.changing:
+        one.start(driver)
         for loop in EXTENDER:
-            wanted.compiled(loop)
-    return wanted.texts.values()
+            driver.compiled(loop)
+    texts, why_not = _step(model, numerics)
+    loops = driver.texts | {text.name: text for text in texts}
+    return Wanted(loops.values(), why_not)
+
+
+def _step(model: Model, numerics: Numerics) -> tuple[tuple[LoopText, ...], str]:
+    integrator = numerics.integrator
+    if isinstance(integrator, Static) and (integrator.path is not None or integrator.method != "newton"):
+        return (), "equilibria are found otherwise than by Newton's method alone"
+    return step_loops(model, numerics.linear_solver)
 
 
 def choose_kernels(
     scene: Scene,
-    structure: Structure,
-    terms: Iterable[Term],
-    changing: Collection[ChangingTerm],
+    plan: Plan,
+    model: Model,
     repays: Repays,
 ) -> Chosen:
     """Choose for a new run.
 
     Args:
         scene: What was said, and its bodies.
-        structure: What moves.
-        terms: Those that stay.
-        changing: Those whose stencils come and go.
+        plan: What is decided so far.
+        model: What moves, before anything drives it.
         repays: What compiling must save.
 
     Raises:
@@ -94,16 +125,19 @@ def choose_kernels(
     if numerics.kernels == "numba":
         if fault := numba_fault():
             raise scene.error(("numerics", "kernels"), f"numba {fault.text}")
-        count = missing(wanted_loops(structure, terms, changing))
-        return Chosen("numba", "asked for", compiling=count)
-    work = Work.of(numerics, scene.geometry, touching=bool(changing))
+        loops = wanted(model, numerics)
+        return _compiled(loops, "asked for", missing(loops.loops))
+    work = Work.of(
+        numerics, scene.geometry, touching=bool(model.changing), framed=plan.bending is Bending.FRAMED
+    )
     slow = work.seconds("numpy")
-    saved = slow - work.seconds("numba")
-    if saved < _LOADING:
+    if slow - work.seconds("numba", whole=True) < _LOADING:
         return Chosen("numpy", f"the run takes about {slow:.2g} s: too short for compiled ones to pay")
     if fault := numba_fault():
         return _without(fault)
-    count = missing(wanted_loops(structure, terms, changing))
+    loops = wanted(model, numerics)
+    count = missing(loops.loops)
+    saved = slow - work.seconds("numba", whole=not loops.why_not)
     if saved - _LOADING < repays(count):
         return Chosen(
             "numpy",
@@ -112,7 +146,11 @@ def choose_kernels(
             "from then on they are taken",
         )
     first = f"after {count} of them are compiled, once" if count else "and are compiled"
-    return Chosen("numba", f"they save about {saved:.2g} s of {slow:.2g} s, {first}", compiling=count)
+    return _compiled(loops, f"they save about {saved:.2g} s of {slow:.2g} s, {first}", count)
+
+
+def _compiled(loops: Wanted, why: str, count: int) -> Chosen:
+    return Chosen("numba", why, compiling=count, step=(loops.step,), whole=not loops.why_not)
 
 
 def _without(fault: NumbaFault) -> Chosen:

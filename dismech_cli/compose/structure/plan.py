@@ -65,6 +65,7 @@ class Plan:
         warnings: What is allowed but doubtful, each with its place.
         kernels: What runs them, ``numpy`` or ``numba``: chosen once it is known what there is to run.
         compiling: How many modules of their loops are compiled first.
+        whole: Whether steps are compiled whole.
     """
 
     axes: tuple[int, ...]
@@ -74,6 +75,7 @@ class Plan:
     warnings: tuple[str, ...]
     kernels: str = "numpy"
     compiling: int = 0
+    whole: bool = False
 
     def __str__(self) -> str:
         return "\n".join(f"{d.what}: {d.why}" for d in self.decisions)

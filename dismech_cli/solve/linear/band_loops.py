@@ -2,8 +2,8 @@
 
 Rows of unsymmetric ones hold (3 width + 1) numbers, those from ``width`` left of the diagonal on, with the
 room to the right that pivoting fills; rows of symmetric ones the diagonal and what is right of it. Below the
-last row are ``width`` more of zeros, and vectors are longer by 2 ``width``: so every row has as many neighbours
-as any other, and where the width is a number in the text, loops over them are unrolled.
+last row are ``width`` more of zeros, and vectors are longer by 2 ``width``: so each row has as many
+neighbours as any other, and where the width is a number in the text, loops over them are unrolled.
 """
 
 from __future__ import annotations
