@@ -11,7 +11,7 @@ import numpy as np
 from ..arrays import FloatArray, IntArray
 from .driver import DragLoop, LoadLoop, LoopT, RateLoop, StencilLoop
 from .linearization import Linearization, Pattern
-from .loop_text import LoopText, call_text, drag_text, stencil_text
+from .loop_text import LoopText, call_text, drag_text, load_text, rate_text, stencil_text
 from .shape import DragKernel, Kernel, LoadKernel, RateKernel
 
 
@@ -41,27 +41,22 @@ class Call:
         block: The loop.
         q: What it was given, shape (n,); None for loops that take no positions.
         v: Likewise; None for loops that take no velocity.
-        parameters: Likewise, one or more for each stencil.
+        parameters: Likewise, one or more for each stencil; a pair where there is more to tell.
     """
 
     block: Block
     q: FloatArray | None
     v: FloatArray | None
-    parameters: FloatArray
+    parameters: FloatArray | tuple[FloatArray, Any]
+
+
+# Each of them is a loop that can be linearised and nothing else, since nothing else is asked of it.
 
 
 @dataclass(frozen=True, slots=True)
 class _NotedStencils:
     block: Block
     calls: list[Call]
-
-    def energy(self, q: FloatArray, auxiliary: FloatArray, parameters: FloatArray) -> FloatArray:
-        raise NotImplementedError
-
-    def add_residual(
-        self, q: FloatArray, auxiliary: FloatArray, parameters: FloatArray, r: FloatArray
-    ) -> None:
-        raise NotImplementedError
 
     def add_linearization(
         self, q: FloatArray, auxiliary: FloatArray, parameters: FloatArray, into: Linearization
@@ -74,13 +69,43 @@ class _NotedDrag:
     block: Block
     calls: list[Call]
 
-    def add_residual(self, q: FloatArray, v: FloatArray, parameters: FloatArray, r: FloatArray) -> None:
-        raise NotImplementedError
-
     def add_linearization(
         self, q: FloatArray, v: FloatArray, parameters: FloatArray, into: Linearization
     ) -> None:
         self.calls.append(Call(self.block, q, v, parameters))
+
+
+@dataclass(frozen=True, slots=True)
+class _NotedLoad:
+    block: Block
+    calls: list[Call]
+
+    def add_linearization(
+        self,
+        q: FloatArray,
+        auxiliary: FloatArray,
+        parameters: FloatArray,
+        scale: float,
+        into: Linearization,
+    ) -> None:
+        self.calls.append(Call(self.block, q, None, (parameters, scale)))
+
+
+@dataclass(frozen=True, slots=True)
+class _NotedRates:
+    block: Block
+    tables: tuple[IntArray | FloatArray, ...]
+    calls: list[Call]
+
+    def add_linearization(
+        self,
+        q: FloatArray,
+        v: FloatArray,
+        auxiliary: FloatArray,
+        parameters: FloatArray,
+        into: Linearization,
+    ) -> None:
+        self.calls.append(Call(self.block, q, v, (parameters, self.tables)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,6 +128,10 @@ class _NotedCall:
 
 _STENCILS: Final = "x, auxiliary, {p}, {indices}[0], {indices}[1], r, stiffness, {slots}[0]"
 _DRAG: Final = "x, v, {p}, {indices}[0], r, stiffness, damping, {slots}[0], {slots}[1]"
+_LOAD: Final = "x, auxiliary, {p}[0], {p}[1], {indices}[0], {indices}[1], r, stiffness, {slots}[0]"
+_RATES: Final = (
+    "x, v, auxiliary, {p}[0], {indices}[0], {indices}[1], r, {p}[1], stiffness, damping, {slots}[0]"
+)
 _VISCOUS: Final = "v, {p}, {indices}[0], r, damping, {slots}[0]"
 
 
@@ -126,7 +155,8 @@ class NotingDriver:
         """Loop of an energy kernel."""
         i, j = kernel.local_pairs
         slots = (pattern.symmetric_slots(dofs[:, i], dofs[:, j]),)
-        return _NotedStencils(Block(stencil_text(kernel), _STENCILS, (dofs, auxiliaries), slots), self.calls)
+        block = Block(stencil_text(kernel), _STENCILS, (dofs, auxiliaries), slots)
+        return cast(StencilLoop, _NotedStencils(block, self.calls))
 
     def drag(self, kernel: DragKernel, dofs: IntArray, pattern: Pattern) -> DragLoop:
         """Loop of a drag kernel."""
@@ -137,15 +167,17 @@ class NotingDriver:
             pattern.slots_of(dofs[:, row], dofs[:, column]),
             pattern.slots_of(loaded[:, i], loaded[:, j]),
         )
-        return _NotedDrag(Block(drag_text(kernel), _DRAG, (dofs,), slots), self.calls)
+        return cast(DragLoop, _NotedDrag(Block(drag_text(kernel), _DRAG, (dofs,), slots), self.calls))
 
     def load(self, kernel: LoadKernel, dofs: IntArray, auxiliaries: IntArray, pattern: Pattern) -> LoadLoop:
-        """Refuse."""
-        raise NotWovenError
+        """Loop of a load kernel."""
+        block = Block(load_text(kernel), _LOAD, (dofs, auxiliaries), (_pairs(dofs, pattern),))
+        return cast(LoadLoop, _NotedLoad(block, self.calls))
 
     def rate(self, kernel: RateKernel, dofs: IntArray, auxiliaries: IntArray, pattern: Pattern) -> RateLoop:
-        """Refuse."""
-        raise NotWovenError
+        """Loop of a rate kernel."""
+        block = Block(rate_text(kernel), _RATES, (dofs, auxiliaries), (_pairs(dofs, pattern),))
+        return cast(RateLoop, _NotedRates(block, kernel.loop_tables, self.calls))
 
     def map(self, function: Callable[[Any], Any], inputs: FloatArray, outputs: int) -> FloatArray:
         """Refuse."""
@@ -158,3 +190,9 @@ class NotingDriver:
     def woven(self, text: LoopText, parts: tuple[LoopText, ...]) -> Callable[..., Any] | None:
         """None."""
         return None
+
+
+def _pairs(dofs: IntArray, pattern: Pattern) -> IntArray:
+    """Slots of all pairs of DOFs of each stencil, row by row, shape (S, D^2)."""
+    i, j = np.divmod(np.arange(dofs.shape[1] ** 2), dofs.shape[1])
+    return pattern.slots_of(dofs[:, i], dofs[:, j])

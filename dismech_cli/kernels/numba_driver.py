@@ -160,9 +160,7 @@ class NumbaRateLoop:
     def __init__(self, kernel: RateKernel, dofs: IntArray, auxiliaries: IntArray, pattern: Pattern) -> None:
         self._loops = _rate_loops(kernel)
         self._indices = (_unsigned(dofs), _unsigned(auxiliaries))
-        row, column, sign = kernel.elastic.gradient_table
-        place, other, entry, factor = kernel.tangent_table
-        self._tables = (row, column, sign, place * kernel.dofs + other, entry, factor)
+        self._tables = kernel.loop_tables
         i, j = np.divmod(np.arange(kernel.dofs**2), kernel.dofs)
         self._slots = _unsigned(pattern.slots_of(dofs[:, i], dofs[:, j]))
 

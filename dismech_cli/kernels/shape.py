@@ -338,3 +338,10 @@ class RateKernel:
         count = len(dof)
         i, j = np.repeat(np.arange(count), count), np.tile(np.arange(count), count)
         return dof[i], dof[j], variable[i] * r + variable[j], b[variable[i], dof[i]] * b[variable[j], dof[j]]
+
+    @cached_property
+    def loop_tables(self) -> tuple[IntArray | FloatArray, ...]:
+        """What compiled loops look up: the slopes' table, then place in the tangent, index and factor."""
+        row, column, sign = self.elastic.gradient_table
+        place, other, entry, factor = self.tangent_table
+        return row, column, sign, place * self.dofs + other, entry, factor
