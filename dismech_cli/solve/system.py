@@ -26,7 +26,7 @@ from .linear.factors import LinearSolver
 from .overlay import Overlay, convexly, exactly
 from .pattern import Outline, Sized, SparsityPattern
 from .trials import Trials, at, trial
-from .weaving import too_many, weaving
+from .weaving import obstacle, weaving
 from .woven import Woven, weave
 
 _EPS = float(np.finfo(np.float64).eps)
@@ -71,7 +71,7 @@ def step_loops(model: Model, solver: str = "auto") -> tuple[tuple[LoopText, ...]
         solver: Key of ``LINEAR_SOLVERS``, or ``"auto"``.
     """
     free = ~held_dofs(model.motions, model.dofs.n, 0.0)
-    if why_not := too_many(int(free.sum())):
+    if why_not := obstacle(model, int(free.sum())):
         return (), why_not
     pattern = base_pattern(model, free)
     if LINEAR_SOLVERS[chosen_solver(model, pattern, solver)] is not BandedSolver:

@@ -74,7 +74,7 @@ def weaving(model: Model, pattern: SparsityPattern, at: Configuration) -> Weavin
         at: Some configuration.
     """
     noting, parts = NotingDriver(), Parts([], [])
-    why_not = _obstacle(model, pattern)
+    why_not = obstacle(model, pattern.m) or _wide(pattern)
     for term in () if why_not else model.terms:
         side = parts.symmetric if all_symmetric(term.couplings) else parts.general
         part = _part(pattern, noting, term, at)
@@ -94,20 +94,24 @@ def weaving(model: Model, pattern: SparsityPattern, at: Configuration) -> Weavin
     return Weaving(text, below, "", noting, parts)
 
 
-def too_many(free: int) -> str:
-    """What stands against a compiled step of so many free DOFs; empty if nothing does."""
-    return f"of {free} unknowns the calls from Python hardly count" if free > _MOST else ""
+def obstacle(model: Model, free: int) -> str:
+    """What stands against a compiled step whatever the matrix; empty if nothing does.
 
-
-def _obstacle(model: Model, pattern: SparsityPattern) -> str:
-    """What stands against a compiled step before the terms are looked at; empty if nothing does."""
+    Args:
+        model: What is stepped.
+        free: Number of its free DOFs.
+    """
     if model.changing:
         return "what touches comes and goes"
     if model.frames.tables is None:
         return "shells carry normals of their edges"
-    if pattern.bandwidth > _WIDEST:
-        return f"the matrix is a band of {pattern.bandwidth}, and of more than {_WIDEST} LAPACK's is faster"
-    return too_many(pattern.m)
+    return f"of {free} unknowns the calls from Python hardly count" if free > _MOST else ""
+
+
+def _wide(pattern: SparsityPattern) -> str:
+    """Whether the matrix stands against it, in words; empty if not."""
+    width = pattern.bandwidth
+    return f"the matrix is a band of {width}: above {_WIDEST} LAPACK's is faster" if width > _WIDEST else ""
 
 
 def _part(pattern: SparsityPattern, noting: NotingDriver, term: Term, at: Configuration) -> Part | None:

@@ -64,3 +64,21 @@ def test_rest_shapes_do_not_depend_on_kernels() -> None:
     for mine, theirs in zip(one.roles.elastic, two.roles.elastic, strict=True):
         assert (mine.natural_at(0.0, one.start.inputs) == theirs.natural_at(0.0, two.start.inputs)).all()
     assert composing.compose is compose
+
+
+def _rows() -> list[tuple[str, str]]:
+    """What `check` says and of which scene, from the table of the documentation."""
+    text = (SNAKE.parents[1] / "docs" / "performance.md").read_text(encoding="utf-8")
+    lines = text.partition("### Steps that are compiled whole")[2].splitlines()
+    cells = [line.strip("| ").split(" | ") for line in lines if line.startswith("| ")][2:]
+    return [(said, scene.strip("`")) for _, said, scene in cells]
+
+
+@pytest.mark.parametrize(("said", "scene"), _rows())
+def test_what_is_compiled_whole_is_told(monkeypatch: pytest.MonkeyPatch, said: str, scene: str) -> None:
+    monkeypatch.setattr(kernels, "missing", lambda texts: 0)
+    path = next(SNAKE.parent.rglob(f"{scene}.yaml"))
+    plan = compose(load(path, overrides=["numerics.kernels=numba"])).plan
+    (step,) = (one for one in plan.decisions if one.what.startswith("steps "))
+    assert (step.what if plan.whole else step.why).startswith(said)
+    assert plan.whole == (said == "steps compiled whole")
