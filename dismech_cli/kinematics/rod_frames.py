@@ -19,13 +19,15 @@ from ..geometry.vectors import combine, cross, norm, scale
 from ..kernels.driver import Driver
 from .turning import TurningEdges
 
+_NO_VECTORS, _NO_NUMBERS = np.empty((3, 0)), np.empty(0)
+
 
 def _no_vectors() -> FloatArray:
-    return np.empty((3, 0))
+    return _NO_VECTORS
 
 
 def _no_numbers() -> FloatArray:
-    return np.empty(0)
+    return _NO_NUMBERS
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,8 +120,8 @@ class Frames(Protocol):
         """The same, carried by another driver."""
 
 
-_NOTHING = FrameState(np.empty((3, 0)), np.empty((3, 0)), np.empty(0))
-_NO_FRAMES = TrialFrames(_NOTHING, np.empty(0))
+_NOTHING = FrameState(_NO_VECTORS, _NO_VECTORS, _NO_NUMBERS)
+_NO_FRAMES = TrialFrames(_NOTHING, _NO_NUMBERS)
 
 
 class NoFrames:
@@ -213,6 +215,15 @@ class RodFrames:
     joint_signs: FloatArray
     directors: FloatArray
     driver: Driver
+    _at_joints: IntArray = field(init=False, repr=False)
+    _signs: FloatArray = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        """Look up once what each joint reads of (tangents, directors), shape (12, J), and with what sign."""
+        edges, signs, row = self.joint_edges.T, self.joint_signs.T, np.arange(3)[:, None] * len(self.angles)
+        both = np.concatenate((row + edges[0], row + edges[1]))
+        object.__setattr__(self, "_at_joints", np.concatenate((both, both + 3 * len(self.angles))))
+        object.__setattr__(self, "_signs", np.repeat(signs, 3, axis=0))
 
     @property
     def size(self) -> int:
@@ -251,9 +262,8 @@ class RodFrames:
         inputs[6:9] = stored.director
         np.take(q, self.angles, out=inputs[9], mode="clip")
         out = self.driver.map(edge_frame, inputs, 12)
-        tangent, director = out[6:9], out[9:12]
-        beta = self.reference_twist(tangent, director, stored.reference_twist)
-        return TrialFrames(FrameState(tangent, director, beta), np.concatenate((out[0:6].reshape(-1), beta)))
+        beta = self._reference_twist(out[6:12], stored.reference_twist)
+        return TrialFrames(FrameState(out[6:9], out[9:12], beta), np.concatenate((out[0:6].ravel(), beta)))
 
     @property
     def turning(self) -> tuple[TurningEdges, ...]:
@@ -277,14 +287,13 @@ class RodFrames:
 
     def reference_twist(self, tangent: FloatArray, director: FloatArray, stored: FloatArray) -> FloatArray:
         """Reference twist of each joint, the one next to a stored one [rad], shape (J,)."""
-        e, f = self.joint_edges[:, 0], self.joint_edges[:, 1]
-        inputs = np.empty((13, len(e)))
-        np.take(tangent, e, axis=1, out=inputs[0:3], mode="clip")
-        np.take(tangent, f, axis=1, out=inputs[3:6], mode="clip")
-        np.take(director, e, axis=1, out=inputs[6:9], mode="clip")
-        np.take(director, f, axis=1, out=inputs[9:12], mode="clip")
-        inputs[0:3] *= self.joint_signs[:, 0]
-        inputs[3:6] *= self.joint_signs[:, 1]
+        return self._reference_twist(np.concatenate((tangent, director)), stored)
+
+    def _reference_twist(self, carried: FloatArray, stored: FloatArray) -> FloatArray:
+        """The same of tangents over directors, shape (6, E)."""
+        inputs = np.empty((13, len(stored)))
+        np.take(carried, self._at_joints, out=inputs[0:12], mode="clip")
+        inputs[0:6] *= self._signs
         inputs[12] = stored
         beta: FloatArray = self.driver.map(joint_reference_twist, inputs, 1)[0]
         return beta
