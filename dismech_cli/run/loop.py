@@ -192,8 +192,8 @@ def _doubts(course: Course) -> tuple[str, ...]:
     """Why not to believe a finished run: the balance that it ends in, and models out of their limits."""
     unit = "" if isinstance(course.simulation.integrator, Static) else " s"
     short = (course.control.doubt,) if course.control.doubt else ()
-    if course.symmetry.found is not None:
-        short = (*short, describe_symmetry(course.simulation, course.symmetry.found))
+    if (found := course.symmetry.found()) is not None:
+        short = (*short, describe_symmetry(course.simulation, found))
     return (*short, *_balance(course), *course.validity.doubts(course.simulation.places, unit))
 
 

@@ -46,6 +46,24 @@ def test_no_false_alarm(tmp_path: Path, deck: Deck) -> None:
     assert not any("unstable balance" in doubt for doubt in attempt(tmp_path, deck).outcome.doubts)
 
 
+@pytest.mark.parametrize(("push", "stays"), [(0.0, True), (1e-3, False)])
+def test_looks_that_are_put_by_find_the_same(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, push: float, stays: bool
+) -> None:
+    """It stands straight from when it is pressed enough until a push disturbs it, or to the end."""
+    told = []
+    for put_by in (0, 4):
+        monkeypatch.setattr("dismech_cli.run.symmetry._PUT_BY", put_by)
+        told.append(attempt(tmp_path, disturbed(push)).outcome.doubts)
+    assert told[0] == told[1]
+    assert any("unstable balance" in doubt for doubt in told[0]) == stays
+
+
+def disturbed(push: float) -> Deck:
+    late = {"ramp": {"from": 0.0, "to": push, "start": 1.0, "end": 1.1}}
+    return pressed(0.02, forces=[{"type": "point", "where": "rod", "force": [0.0, 0.0, late]}])
+
+
 def test_a_free_rod_may_turn_as_it_likes(tmp_path: Path) -> None:
     """Rigid motions cost no energy: rounding makes some of them negative."""
     deck = rod_deck(line(11), motions=[], dimension=3, numerics={"dt": 0.01, "t_end": 1.0})
