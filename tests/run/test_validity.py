@@ -129,6 +129,50 @@ def test_measures() -> None:
     assert_allclose(turns(bent, triples), [np.pi / 2, np.pi], rtol=1e-15)
 
 
+@pytest.mark.parametrize("share", [-1e-6, 0.0, 1e-12, 1e-6])
+@pytest.mark.parametrize("limit", ["turn", "bend", "strain"])
+def test_bounds_are_sure_of_what_is_within_and_of_nothing_else(made: Any, limit: str, share: float) -> None:
+    """A rod is bent at one node, or pulled, to within a share of its limit, or beyond."""
+    section = given_section() | {"radius": 0.01 if limit == "turn" else 0.2}
+    pinned = [{"type": "pin", "where": "rod.start"}, {"type": "pin", "where": "rod.end"}]
+    strain, turned, bent = made(rod_deck(line(5), section, motions=pinned)).simulation.checks
+    x = np.linspace([0.0, 0.0, 0.0], [1.0, 0.0, 0.0], 5)
+    if limit == "strain":
+        x[3:] += [0.2 * 0.25 * (1.0 + share), 0.0, 0.0]
+        check = strain
+    else:
+        check = turned if limit == "turn" else bent
+        sharpest = 0.5 * np.pi if limit == "turn" else 2.0 * np.arctan(0.5 / bent.measure.slenderness[1])
+        angle = sharpest * (1.0 + share)
+        x[3:] = x[2] + np.outer([0.25, 0.5], [np.cos(angle), np.sin(angle), 0.0])
+    shown: Any = Shown(x)
+    shown.natural = lambda name: np.zeros((1, 4))
+    over = check.measure(shown).max() > check.limit
+    assert check.bound(shown) == (share < 0.0)
+    assert over == (share > 1e-9) or abs(share) < 1e-9
+    assert turned.bound is bent.bound
+
+
+def test_a_bound_is_asked_once_for_checks_in_a_row() -> None:
+    asked = []
+
+    def bound(s: Any) -> bool:
+        asked.append(s)
+        return s.positions[1, 0] < 2.0
+
+    checks = [
+        Check(lambda s: s.positions[:, 0], limit, np.arange(2), "{:.1f}".format, "far", bound)
+        for limit in (2.0, 4.0)
+    ]
+    validity = Validity(checks)
+    for x in (1.0, 3.0):
+        shown: Any = Shown([[0.0, 0, 0], [x, 0, 0]])
+        shown.state = type("Time", (), {"t": x})
+        validity.look(shown)
+    assert len(asked) == 2
+    assert validity.doubts(("a", "b"), " s") == ("3.0 at t = 3 s near b: far",)
+
+
 def test_triangles_that_turn_over(made: Any) -> None:
     made_of = made(shell_deck(FLAT))
     nodes, groups = made_of.geometry.nodes, made_of.geometry.node_groups

@@ -8,6 +8,7 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...kinematics.strains import rest_metric
+from ...run.observables.bounds import SlightStrain, SlightTurns
 from ...run.observables.limits import (
     CornerBend,
     CornerTurn,
@@ -30,6 +31,7 @@ SMALL_STRAIN = 0.2  # that linear stretching means
 COLLAPSED = 0.99  # of its area lost
 FOLDED = 5.0 / 6.0 * pi  # [rad] between two triangles: one has turned over, or lies on the other
 SHARP = 0.5 * pi  # [rad] at one joint
+_ITS_RADIUS = 1.0  # of curvature, in units of the radius of the rod
 _TIGHT = "tighter than a rod of that radius can"
 _FURTHER = "linear materials mean up to 20 %; those of model neo_hookean stretch further"
 
@@ -89,9 +91,11 @@ def _edges(scene: Scene, rods: RodEnergies) -> list[Check]:
     linear = np.flatnonzero(stretch.parameter("EA") > 0.0)
     if not len(linear):
         return []
-    edges = geometry.edges[linear]
-    measure = RodStrain(edges, stretch.parameter("length")[linear], stretch.name, linear)
-    return [Check(measure, SMALL_STRAIN, edges[:, 0], "a rod is strained by {:.0%}".format, _FURTHER)]
+    edges, rest = geometry.edges[linear], stretch.parameter("length")[linear]
+    measure = RodStrain(edges, rest, stretch.name, linear)
+    bound = SlightStrain.of(edges, rest, stretch.name, linear, SMALL_STRAIN)
+    told = "a rod is strained by {:.0%}".format
+    return [Check(measure, SMALL_STRAIN, edges[:, 0], told, _FURTHER, bound)]
 
 
 def _joints(scene: Scene, structure: Structure) -> list[Check]:
@@ -100,20 +104,23 @@ def _joints(scene: Scene, structure: Structure) -> list[Check]:
     if not len(triples):
         return []
     at_rest = turns(rest, triples)
+    bend = RodBend(triples, _thicker(scene, structure, joints) / joints.voronoi, 2.0 * np.tan(0.5 * at_rest))
+    bound = SlightTurns.of(triples, np.minimum(SHARP + at_rest, bend.turns_to(_ITS_RADIUS)))
     turned = Check(
         RodTurn(triples, at_rest),
         SHARP,
         triples[:, 1],
         lambda value: f"a rod turns by {degrees(value):.0f} deg at one node",
         "a finer mesh would turn by less",
+        bound,
     )
-    slenderness = _thicker(scene, structure, joints) / joints.voronoi
     bent = Check(
-        RodBend(triples, slenderness, 2.0 * np.tan(0.5 * at_rest)),
-        1.0,
+        bend,
+        _ITS_RADIUS,
         triples[:, 1],
         lambda value: f"a rod bends to {1.0 / value:.2g} of its own radius",
         _TIGHT,
+        bound,
     )
     return [turned, bent]
 

@@ -139,6 +139,10 @@ class RodBend:
         """Values (J,)."""
         return self.slenderness * (2.0 * np.tan(0.5 * turns(s.positions, self.triples)) - self.rest)
 
+    def turns_to(self, value: float) -> FloatArray:
+        """Angle by which each joint turns at a value [rad], shape (J,)."""
+        return np.asarray(2.0 * np.arctan2(value + self.slenderness * self.rest, 2.0 * self.slenderness))
+
 
 @dataclass(frozen=True, slots=True)
 class CornerTurn:
