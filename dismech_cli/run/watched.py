@@ -16,9 +16,16 @@ class Watched:
     """The course over time of some probes; implements :class:`~dismech_cli.model.saved.Saved`."""
 
     def __init__(self, probes: Mapping[str, Probe]) -> None:
-        self._probes = probes
+        """Watch nothing yet.
+
+        Args:
+            probes: By name; one of several names is read once.
+        """
+        self._probes = list({id(probe): probe for probe in probes.values()}.values())
+        places = {id(probe): place for place, probe in enumerate(self._probes)}
+        self._place = {name: places[id(probe)] for name, probe in probes.items()}
         self._times: list[float] = []
-        self._values: dict[str, list[float]] = {name: [] for name in probes}
+        self._values: list[list[float]] = [[] for _ in self._probes]
 
     def __bool__(self) -> bool:
         """Whether there is anything to watch."""
@@ -32,14 +39,14 @@ class Watched:
     @property
     def values(self) -> dict[str, FloatArray]:
         """What each read then, shape (K,)."""
-        return {name: np.array(values) for name, values in self._values.items()}
+        return {name: np.array(self._values[place]) for name, place in self._place.items()}
 
     def read(self, s: Snapshot) -> None:
         """Read every probe."""
-        if self:
+        if self._probes:
             self._times.append(s.state.t)
-            for name, probe in self._probes.items():
-                self._values[name].append(probe(s))
+            for probe, values in zip(self._probes, self._values, strict=True):
+                values.append(probe(s))
 
     def arrays(self) -> Arrays:
         """Times and values."""
@@ -53,5 +60,6 @@ class Watched:
         """Go on from the courses that were saved."""
         values = within("value", arrays)
         self._times = arrays["t"].tolist()
-        self._values = {name: values[name].tolist() for name in self._probes}
+        for name, place in self._place.items():
+            self._values[place] = values[name].tolist()
         return self

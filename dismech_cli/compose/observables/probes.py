@@ -57,12 +57,14 @@ def make_probes(scene: Scene, structure: Structure, control: Control) -> dict[st
 
 
 def make_watched(scene: Scene, structure: Structure, control: Control) -> dict[str, probes.Probe]:
-    """The probes of the expectations, by name."""
-    given = scene.scenario.expect
-    return {
-        name: make_probe(scene, structure, control, one.probe, ("expect", name, "probe"))
-        for name, one in given.items()
-    }
+    """The probes of the expectations, by name; what several ask for is one."""
+    made: list[tuple[Probe, probes.Probe]] = []
+    watched = {}
+    for name, one in scene.scenario.expect.items():
+        same = next((probe for asked, probe in made if asked == one.probe), None)
+        watched[name] = same or make_probe(scene, structure, control, one.probe, ("expect", name, "probe"))
+        made.append((one.probe, watched[name]))
+    return watched
 
 
 def make_probe(

@@ -24,6 +24,13 @@ class Probe(Protocol):
         """Read it."""
 
 
+def _mean(vectors: FloatArray, nodes: IntArray) -> FloatArray:
+    """Mean of the vectors of some nodes, shape (3,); of one node, as mostly, that of the node itself."""
+    if len(nodes) == 1:
+        return np.asarray(vectors[nodes[0]])
+    return np.asarray(vectors[nodes].mean(axis=0))
+
+
 def _component(vector: FloatArray, axis: int | None) -> float:
     """A component, or the magnitude for None."""
     return float(np.linalg.norm(vector)) if axis is None else float(vector[axis])
@@ -46,7 +53,7 @@ class Position:
 
     def __call__(self, s: Snapshot) -> float:
         """Read it."""
-        return _component(s.positions[self.nodes].mean(axis=0) - self.reference, self.axis)
+        return _component(_mean(s.positions, self.nodes) - self.reference, self.axis)
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,7 +66,7 @@ class Velocity:
 
     def __call__(self, s: Snapshot) -> float:
         """Read it."""
-        return _component(s.velocities[self.nodes].mean(axis=0), self.axis)
+        return _component(_mean(s.velocities, self.nodes), self.axis)
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,7 +79,7 @@ class Distance:
 
     def __call__(self, s: Snapshot) -> float:
         """Read it."""
-        return _component(s.positions[self.first].mean(axis=0) - s.positions[self.second].mean(axis=0), None)
+        return _component(_mean(s.positions, self.first) - _mean(s.positions, self.second), None)
 
 
 @dataclass(frozen=True, slots=True)
