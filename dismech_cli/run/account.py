@@ -124,7 +124,7 @@ class EnergyAccount:
         entries = {"kinetic": 0.5 * float(self._model.mass @ (state.v * state.v))}
         parts = dict.fromkeys(self._roles.shares, 0.0)
         for term in (*self._elastic, *self._surplus):
-            for name, value in zip(term.shares, term.energy(c).sum(axis=1).tolist(), strict=True):
+            for name, value in zip(term.shares, np.add.reduce(term.energy(c), axis=1).tolist(), strict=True):
                 parts[name] += value
         entries |= parts
         entries["elastic"] = sum(parts.values())

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass, replace
+from math import isfinite
 
 import numpy as np
 
@@ -263,5 +264,7 @@ class Course:
 
 def _lost(state: State) -> int:
     """A DOF that is at no finite place or has no finite speed; -1 if there is none."""
+    if isfinite(state.q.dot(state.v)):
+        return -1
     nowhere = ~np.isfinite(state.q + state.v)
     return int(np.argmax(nowhere)) if nowhere.any() else -1

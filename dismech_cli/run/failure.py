@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import isfinite
-from typing import TypeAlias
+from typing import NamedTuple
 
 import numpy as np
 
@@ -21,8 +21,30 @@ from .observables.snapshot import Snapshot
 from .simulation import Simulation
 from .symmetry import Found
 
-Attempt: TypeAlias = tuple[float, float, StepResult]
-"""Start and end of a step [s], and what came of it."""
+
+class Attempt(NamedTuple):
+    """What is told of a step; no more, for arrays that are kept for a while cost more than the loop.
+
+    Attributes:
+        start: Its start [s].
+        end: Where it was to end [s].
+        status: How it ended.
+        iterations: Linear solves.
+        residual_norm: Largest free residual [N].
+        worst: DOF with the largest residual, or -1.
+    """
+
+    start: float
+    end: float
+    status: Status
+    iterations: int
+    residual_norm: float
+    worst: int
+
+    @classmethod
+    def of(cls, start: float, end: float, result: StepResult) -> Attempt:
+        """Of a result."""
+        return cls(start, end, result.status, result.iterations, result.residual_norm, result.worst)
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,7 +127,8 @@ def describe_failure(simulation: Simulation, last: Sequence[Attempt], *, cut: bo
         last: The attempts.
         cut: Whether shorter steps have been tried.
     """
-    start, t, result = last[-1]
+    result = last[-1]
+    start, t = result.start, result.end
     static = isinstance(simulation.integrator, Static)
     unit = "" if static else " s"
     step = "a step of" if static else "dt ="
@@ -117,9 +140,9 @@ def describe_failure(simulation: Simulation, last: Sequence[Attempt], *, cut: bo
         "  last steps (t, dt, Newton iterations, residual):",
     ]
     lines += [
-        f"    {end:.6g}{unit}  {end - begin:.3g}{unit}  {r.iterations:3d}  {r.residual_norm:.3g} N  "
+        f"    {r.end:.6g}{unit}  {r.end - r.start:.3g}{unit}  {r.iterations:3d}  {r.residual_norm:.3g} N  "
         f"{r.status.name.lower()}"
-        for begin, end, r in last
+        for r in last
     ]
     if cut:
         lines.append(f"  tried: halving the step down to {t - start:.3g}{unit} did not help")

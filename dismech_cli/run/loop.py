@@ -158,7 +158,7 @@ def _tried(course: Course, last: deque[Attempt]) -> Outcome | None:
     """
     start, target = course.state.t, course.control.target
     result = course.step()
-    last.append((start, target, result))
+    last.append(Attempt.of(start, target, result))
     if result.status is not Status.CONVERGED:
         if course.control.exhausted:
             cut = course.counters.cuts > 0

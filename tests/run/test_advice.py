@@ -13,7 +13,7 @@ from decks import line, rod_deck
 import dismech_cli
 from dismech_cli.compose.compose import compose
 from dismech_cli.model.state import State
-from dismech_cli.run.failure import describe_failure
+from dismech_cli.run.failure import Attempt, describe_failure
 from dismech_cli.run.simulation import Simulation
 from dismech_cli.solve.integrators import ImplicitEuler, ImplicitMidpoint, Integrator, Static
 from dismech_cli.solve.status import Status
@@ -27,10 +27,10 @@ def simulation() -> Simulation:
     return compose(dismech_cli.load(ROD_AT_REST)).simulation
 
 
-def failed(simulation: Simulation, status: Status) -> list[tuple[float, float, StepResult]]:
+def failed(simulation: Simulation, status: Status) -> list[Attempt]:
     q = np.zeros(simulation.model.dofs.n)
     state = State(0.0, q, q, q, simulation.model.frames.rest(simulation.model.rest))
-    return [(0.0, 1e-3, StepResult(state, status, 7, 1.0, q, 5))]
+    return [Attempt.of(0.0, 1e-3, StepResult(state, status, 7, 1.0, q, 5))]
 
 
 @pytest.mark.parametrize("integrator", [Static(), ImplicitEuler(), ImplicitMidpoint()])
