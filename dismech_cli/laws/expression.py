@@ -156,9 +156,16 @@ class Builder:
         self.met: set[str] = set()
 
     def build(self, node: ast.expr, depth: int) -> Program:
-        """The closure of one node."""
+        """The closure of one node; what holds no variable is evaluated once."""
         if depth > self.deepest:
             raise self._error(node, f"nested deeper than {self.deepest}")
+        program = self._built(node, depth)
+        if any(isinstance(part, ast.Name) and part.id in self.known for part in ast.walk(node)):
+            return program
+        with np.errstate(all="ignore"):
+            return _constant(program({}))
+
+    def _built(self, node: ast.expr, depth: int) -> Program:
         match node:
             case ast.Constant(value=value):
                 return _constant(self._number(node, value))
@@ -230,5 +237,5 @@ class Builder:
         return ExpressionError(self.indent + node.col_offset + 1, reason)
 
 
-def _constant(value: float) -> Program:
+def _constant(value: Any) -> Program:
     return lambda at: value

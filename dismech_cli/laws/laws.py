@@ -50,7 +50,9 @@ def _without_inputs(law: Law, t: float, inputs: FloatArray, places: Value = 0.0)
 def _spread(value: Any, s: Value) -> Value:
     """``value`` in the shape of ``s``."""
     if isinstance(s, np.ndarray):
-        return np.array(np.broadcast_to(value, s.shape), dtype=np.float64)
+        out = np.empty(s.shape)
+        out[...] = value
+        return out
     return float(value)
 
 
@@ -308,6 +310,6 @@ class Expression:
         """
         with np.errstate(all="ignore"):
             value = _spread(self._compiled.program({"t": t, "s": s, **self.places}), s)
-        if not np.all(np.isfinite(value)):
+        if not np.isfinite(value).all():
             raise LawError(f"the expression {self.text!r} has no finite value at t = {t:g} s")
         return value
