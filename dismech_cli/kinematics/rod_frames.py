@@ -64,6 +64,18 @@ class TrialFrames:
     auxiliary: FloatArray
 
 
+class FramesAt(Protocol):
+    """Frames at a trial point, carried there or yet to be."""
+
+    @property
+    def state(self) -> FrameState:
+        """What an accepted step will store."""
+
+    @property
+    def auxiliary(self) -> FloatArray:
+        """Inputs of kernels, shape (size,)."""
+
+
 @dataclass(frozen=True, slots=True)
 class EdgeTables:
     """Where frames of edges are carried, for loops that carry them with all else.

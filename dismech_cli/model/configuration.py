@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from ..arrays import FloatArray
-from ..kinematics.rod_frames import TrialFrames
+from ..kinematics.rod_frames import FramesAt
 from ..laws.signal import no_inputs
 
 
@@ -24,5 +24,5 @@ class Configuration:
     t: float
     q: FloatArray
     v: FloatArray
-    frames: TrialFrames
+    frames: FramesAt
     inputs: FloatArray = field(default_factory=no_inputs)

@@ -10,7 +10,7 @@ from itertools import pairwise
 import numpy as np
 
 from ..arrays import BoolArray, FloatArray, IntArray
-from ..kinematics.rod_frames import Frames, TrialFrames
+from ..kinematics.rod_frames import Frames, FrameState, TrialFrames
 from ..model.configuration import Configuration
 from ..model.model import Model
 from ..model.state import State
@@ -23,6 +23,35 @@ _QUOTIENT = 1e-3
 
 
 @dataclass
+class Carried:
+    """Frames at a point, carried there when a term first asks: forces on nodes alone never do.
+
+    Attributes:
+        frames: Kinematics of frames.
+        stored: Where they come from.
+        q: Where they go to, shape (n,).
+    """
+
+    frames: Frames
+    stored: FrameState
+    q: FloatArray
+
+    @cached_property
+    def _there(self) -> TrialFrames:
+        return self.frames.transport(self.stored, self.q)
+
+    @property
+    def state(self) -> FrameState:
+        """What an accepted step would store."""
+        return self._there.state
+
+    @property
+    def auxiliary(self) -> FloatArray:
+        """Inputs of kernels, shape (size,)."""
+        return self._there.auxiliary
+
+
+@dataclass
 class Known:
     """A state, and what has been computed of it."""
 
@@ -32,13 +61,13 @@ class Known:
     energies: dict[str, float] = field(default_factory=dict)
 
     @cached_property
-    def transported(self) -> TrialFrames:
+    def carried(self) -> Carried:
         """Frames at the state."""
-        return self.frames.transport(self.state.frames, self.state.q)
+        return Carried(self.frames, self.state.frames, self.state.q)
 
     def at(self, other: State) -> Configuration:
         """Its shape at the time and under the inputs of another state."""
-        return Configuration(other.law_time, self.state.q, self.state.v, self.transported, other.inputs)
+        return Configuration(other.law_time, self.state.q, self.state.v, self.carried, other.inputs)
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,7 +154,7 @@ class Work:
         rubbed = carried = 0.0
         if self._friction:
             c, moved = self._mean(before, after)
-            frames = self._model.frames.transport(after.frames, after.q)
+            frames = Carried(self._model.frames, after.frames, after.q)
             end = Configuration(after.law_time, after.q, after.v, frames, after.inputs)
             rubbed = (after.t - before.t) * sum(term.heat(end, c.v) for term in self._friction)
             carried = rubbed - _against(self._friction, end, moved)
@@ -156,7 +185,7 @@ class Work:
         q, moved = 0.5 * (before.q + after.q), after.q - before.q
         # pseudo-time has no speed
         v = moved / (after.t - before.t) if self._moves else np.zeros_like(q)
-        frames = self._model.frames.transport(before.frames, q)
+        frames = Carried(self._model.frames, before.frames, q)
         c = Configuration(0.5 * (before.law_time + after.law_time), q, v, frames, after.inputs)
         return c, moved
 
