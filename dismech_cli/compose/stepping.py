@@ -11,6 +11,7 @@ import numpy as np
 from ..arrays import FloatArray
 from ..laws.laws import Law
 from ..model.model import Model
+from ..run.accuracy import Accuracy
 from ..run.adaptive import LENGTHS, RTOL, Adaptive, Tolerance
 from ..run.clock import Clock, time_grid
 from ..run.error_norm import ErrorNorm
@@ -18,6 +19,7 @@ from ..run.looks import Looks, at_ends, within
 from ..run.pace import find_pace
 from ..run.path_control import PathControl
 from ..run.step_control import StepControl
+from ..run.stops import Stops
 from ..scenario.language.numerics import Numerics, Static
 from ..scenario.load import LoadedScenario
 from ..scenario.values.law import PLACES, ExpressionLaw, RampLaw, SawtoothLaw, SineLaw, TableLaw
@@ -73,13 +75,13 @@ def make_stepping(
     tolerance, scheme = _tolerance(numerics, t_end), build_integrator(integrator)
     # what rings, or touches, moves in a step as no cubic does: frames then lie at the ends of steps
     smooth = scheme.damping > 0 and loaded.scenario.contact is None
+    norm = ErrorNorm(model, start, float(np.ptp(model.dofs.positions(model.rest), axis=0).max()))
     control = Adaptive(
         tolerance=tolerance,
-        pace=find_pace(tuple(_laws(loaded)), releases, t_end),
-        norm=ErrorNorm(model, start, float(np.ptp(model.dofs.positions(model.rest), axis=0).max())),
-        integrator=scheme,
-        every=inf if smooth else every,
-        samples=np.array(samples),
+        stops=Stops(
+            find_pace(tuple(_laws(loaded)), releases, t_end), inf if smooth else every, np.array(samples)
+        ),
+        accuracy=Accuracy(norm, scheme, tolerance.rtol, t_end),
         step=tolerance.first,
     )
     return Stepping(control, every, within if smooth else at_ends)

@@ -8,22 +8,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-import numpy as np
-
 from ..kinematics.motion import moving_dofs
 from ..model.model import Model
 from ..model.saved import Arrays, Numbers
 from ..model.state import State
 from ..model.term import BoundEnergy
 from ..solve.system import System
+from .growth import Growth
 from .roles import Roles
+from .stored import Stored
 from .work import Known, Work
-
-# Energy from nowhere, in units of all energy that was given: no damping scheme comes near, and an
-# unstable one passes it within a few steps.
-_RUNAWAY = 100.0
-# A motion by this share of the robot's size in the time of the run is no motion.
-_STILL = 1e-6
 
 
 class EnergyAccount:
@@ -42,20 +36,17 @@ class EnergyAccount:
     )
 
     def __init__(self, model: Model, roles: Roles, start: State) -> None:
+        """Account for nothing yet; :meth:`bind` comes first."""
         self._model = model
-        self._start = start
-        self._size = float(np.ptp(model.dofs.positions(model.rest), axis=0).max())
-        self._mass = float(model.mass.sum())
         self._roles = roles
+        self._start = start
+        self._growth = Growth.of(model)
         self._last: Known | None = None
+        self._stored: Stored
         self._work: Work
-        self._elastic: Sequence[BoundEnergy] = ()
-        self._gravitational: Sequence[BoundEnergy] = ()
         self._actuated: Sequence[BoundEnergy] = ()
-        self._contact: Sequence[BoundEnergy] = ()
         self._changing: Sequence[BoundEnergy] = ()
         self._pushed: Sequence[BoundEnergy] = ()
-        self._surplus: Sequence[BoundEnergy] = ()
         if roles.surplus:
             self.columns = (*self.columns, "surplus")
         self.sums = dict.fromkeys(self.columns, 0.0)
@@ -68,21 +59,16 @@ class EnergyAccount:
         moving = moving_dofs(model.motions, self._start.q, self._start.v, t)
         self._last = None
         self._work = Work(model, roles, system, moving)
-        elastic = {term.name for term in roles.elastic}
-        self._elastic = [term for term in system.energies if term.name in elastic]
-        self._gravitational = [term for term in system.energies if term.name in roles.gravitational]
-        self._actuated = [term for term in self._elastic if not term.steady]
-        self._contact = [term for term in system.energies if term.name in roles.contact]
-        self._changing = [term for term in self._gravitational if not term.steady]
-        self._pushed = [term for term in self._contact if not term.steady]
-        bound = (term.bind(system.pattern, model.driver) for term in roles.surplus)
-        self._surplus = [energy for term in bound if (energy := term.potential) is not None]
+        self._stored = stored = Stored.of(model, roles, system)
+        self._actuated = [term for term in stored.elastic if not term.steady]
+        self._changing = [term for term in stored.gravitational if not term.steady]
+        self._pushed = [term for term in stored.contact if not term.steady]
 
     def start(self, state: State) -> None:
         """Take the stored energy of ``state`` as the zero of the account."""
         self.sums["initial"] = 0.0
-        if self._surplus:
-            self.sums["surplus"] = self._fed(state)
+        if self._roles.surplus:
+            self.sums["surplus"] = self._stored.fed(self._see(state).at(state))
         self.sums["initial"] = self.measure(state)["error"]
 
     def advance(
@@ -121,21 +107,11 @@ class EnergyAccount:
     def measure(self, state: State) -> Mapping[str, float]:
         """All entries of the account at ``state`` [J]; within a step, work as if done evenly."""
         c = self._see(state).at(state)
-        entries = {"kinetic": 0.5 * float(self._model.mass @ (state.v * state.v))}
-        parts = dict.fromkeys(self._roles.shares, 0.0)
-        for term in (*self._elastic, *self._surplus):
-            for name, value in zip(term.shares, np.add.reduce(term.energy(c), axis=1).tolist(), strict=True):
-                parts[name] += value
-        entries |= parts
-        entries["elastic"] = sum(parts.values())
-        entries["gravitational"] = sum(float(term.energy(c).sum()) for term in self._gravitational)
-        entries["contact"] = sum(float(term.energy(c).sum()) for term in self._contact)
-        entries["total"] = sum(entries[name] for name in ("kinetic", "elastic", "gravitational", "contact"))
-        s = self._sums_at(state.t)
+        entries, s = self._stored.at(c), self._sums_at(state.t)
         entries["external_work"] = s["external_work"] + s["actuation_work"]
-        if self._surplus:
+        if self._roles.surplus:
             # what feedback stores in passive springs beyond stiffer ones, it has put in
-            entries["external_work"] += self._fed(state) - s["surplus"]
+            entries["external_work"] += self._stored.fed(c) - s["surplus"]
         entries["dissipation"] = s["dissipation"]
         entries["friction"] = s["friction"]
         entries["error"] = entries["total"] - s["initial"] - entries["external_work"] + s["dissipation"]
@@ -157,32 +133,12 @@ class EnergyAccount:
         return self
 
     def growth(self, entries: Mapping[str, float], seconds: float) -> float:
-        """Energy that nothing gave, as a share of all that the robot held or turned into heat.
-
-        What drag takes is summed step by step, each to within the error of a step: where far more
-        flows through the robot than it ever holds, the account is that far from exact.
-
-        Args:
-            entries: Result of :meth:`measure`.
-            seconds: Duration of the run [s].
-        """
-        if not self._mass:
-            return 0.0  # statics rests in a balance that Newton's method has checked
-        flow = self.sums["largest"] + abs(entries["dissipation"])
-        return entries["error"] / (flow + self._stillness(seconds))
+        """Energy from nowhere in what :meth:`measure` gave, as a share of all in a run of ``seconds``."""
+        return self._growth.share(entries, self.sums["largest"], seconds)
 
     def runs_away(self, entries: Mapping[str, float], seconds: float) -> bool:
-        """Whether the robot holds far more energy than it was given: the integrator has blown up.
-
-        Args:
-            entries: Result of :meth:`measure`.
-            seconds: Duration of the run [s].
-        """
-        if not self._mass:
-            return False  # as above
-        given = abs(entries["external_work"]) + abs(entries["dissipation"]) + abs(self.sums["initial"])
-        given += abs(entries["gravitational"]) + self._stillness(seconds)
-        return entries["error"] > _RUNAWAY * given
+        """Whether that is far more than the robot was given."""
+        return self._growth.runs_away(entries, self.sums["initial"], seconds)
 
     def _sums_at(self, t: float) -> Mapping[str, float]:
         """The sums at a time [s] of the last step."""
@@ -191,16 +147,6 @@ class EnergyAccount:
             return self.sums
         ahead = (end - t) / (end - start)
         return {name: late - ahead * (late - self._before[name]) for name, late in self.sums.items()}
-
-    def _stillness(self, seconds: float) -> float:
-        """Energy [J] of a motion by a millionth of the robot's size in the time of the run: round-off."""
-        speed = _STILL * self._size / seconds
-        return self._mass * speed**2
-
-    def _fed(self, state: State) -> float:
-        """Energy of passive springs beyond that of the stiffer ones in the balance [J]."""
-        c = self._see(state).at(state)
-        return sum(float(term.energy(c).sum()) for term in self._surplus)
 
     def _see(self, state: State) -> Known:
         """What is known of a state; a step begins at the end of the last one."""

@@ -161,7 +161,7 @@ def _tried(course: Course, last: deque[Attempt]) -> Outcome | None:
     last.append(Attempt.of(start, target, result))
     if result.status is not Status.CONVERGED:
         if course.control.exhausted:
-            cut = course.counters.cuts > 0
+            cut = course.books.counters.cuts > 0
             return _failed(course, describe_failure(course.simulation, last, cut=cut))
         course.cut(result)
         return None
@@ -171,7 +171,7 @@ def _tried(course: Course, last: deque[Attempt]) -> Outcome | None:
     shown, dt = course.accept(result), target - start
     if shown is not None and not shown.finite:
         return _blown_up(course, describe_infinite(course.simulation, shown, dt))
-    if shown is not None and course.account.runs_away(shown.energies, course.control.t_end):
+    if shown is not None and course.books.account.runs_away(shown.energies, course.control.t_end):
         return _blown_up(course, describe_runaway(course.simulation, shown, dt))
     course.report(dt)
     return None
@@ -183,7 +183,7 @@ def _why_pause(course: Course, limits: Limits, stop: StopRequest) -> str:
         return ""
     if stop.requested:
         return "interrupted"
-    if course.stopwatch.elapsed >= limits.wall:
+    if course.books.stopwatch.elapsed >= limits.wall:
         return "the wall-clock limit is reached"
     return "the time asked for is reached" if course.state.t >= limits.until else ""
 
@@ -192,9 +192,9 @@ def _doubts(course: Course) -> tuple[str, ...]:
     """Why not to believe a finished run: the balance that it ends in, and models out of their limits."""
     unit = "" if isinstance(course.simulation.integrator, Static) else " s"
     short = (course.control.doubt,) if course.control.doubt else ()
-    if (found := course.symmetry.found()) is not None:
+    if (found := course.books.symmetry.found()) is not None:
         short = (*short, describe_symmetry(course.simulation, found))
-    return (*short, *_balance(course), *course.validity.doubts(course.simulation.places, unit))
+    return (*short, *_balance(course), *course.books.validity.doubts(course.simulation.places, unit))
 
 
 def _balance(course: Course) -> tuple[str, ...]:
@@ -203,8 +203,8 @@ def _balance(course: Course) -> tuple[str, ...]:
     if not model.mass.any():
         told = describe_unstable(course.simulation, course.state)
         return (told,) if course.stepper.stability.unstable(course.state) else ()
-    entries = course.account.measure(course.state)
-    share = course.account.growth(entries, course.control.t_end)
+    entries = course.books.account.measure(course.state)
+    share = course.books.account.growth(entries, course.control.t_end)
     return (describe_growth(course.simulation, entries["error"], share),) if share > _GROWTH else ()
 
 
@@ -223,7 +223,7 @@ def _blown_up(course: Course, failure: Failure) -> Outcome:
 def _ended(course: Course, end: End, why: Failure, doubts: tuple[str, ...] = ()) -> Outcome:
     """Say what came of the run."""
     singular = tuple(describe_singular(course.simulation, *found) for found in course.singular)
-    ambiguity, touched = course.ambiguity, course.simulation.touched
+    ambiguity, touched = course.books.ambiguity, course.simulation.touched
     taken = (describe_ambiguity(course.simulation, ambiguity),) if ambiguity.steps else ()
     return Outcome(
         end=end,
@@ -231,8 +231,8 @@ def _ended(course: Course, end: End, why: Failure, doubts: tuple[str, ...] = ())
         state=course.state,
         counters=course.counts,
         seconds=course.seconds,
-        times=course.watched.times,
-        watched=course.watched.values,
+        times=course.books.watched.times,
+        watched=course.books.watched.values,
         doubts=(*singular, *taken, *doubts),
         remedy=why.remedy,
         penetration=None if touched is None else touched.deepest(course.state),
