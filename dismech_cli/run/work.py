@@ -58,6 +58,7 @@ class Known:
     state: State
     frames: Frames
     resistance: FloatArray | None = None
+    moving: tuple[FloatArray, FloatArray] | None = None
     energies: dict[str, float] = field(default_factory=dict)
 
     @cached_property
@@ -97,6 +98,7 @@ class Work:
         """
         self._model = model
         self._moving = moving
+        self._mass = model.mass[moving]
         self._moves = bool(model.mass.any())
         self._resisting: list[BoundTerm] = []
         self._damping: list[BoundTerm] = []
@@ -134,9 +136,9 @@ class Work:
         moving = self._moving
         if not moving.size:
             return 0.0
-        path = after.state.q[moving] - before.state.q[moving]
-        squares = after.state.v[moving] ** 2 - before.state.v[moving] ** 2
-        work = 0.5 * float(self._model.mass[moving] @ squares)
+        (start, slow), (end, fast) = self._on_moving(before), self._on_moving(after)
+        path = end - start
+        work = 0.5 * float(self._mass @ (fast - slow))
         if path.any():
             work += 0.5 * float((self._resistance(before) + self._resistance(after)) @ path)
             if self._damping:
@@ -189,14 +191,20 @@ class Work:
         c = Configuration(0.5 * (before.law_time + after.law_time), q, v, frames, after.inputs)
         return c, moved
 
+    def _on_moving(self, known: Known) -> tuple[FloatArray, FloatArray]:
+        """Values of the moving DOFs, and the squares of their rates."""
+        if known.moving is None:
+            known.moving = known.state.q.take(self._moving), known.state.v.take(self._moving) ** 2
+        return known.moving
+
     def _resistance(self, known: Known) -> FloatArray:
         """Residual on the moving DOFs."""
         if known.resistance is None:
-            r = np.zeros_like(known.state.q)
+            r = np.zeros(len(known.state.q))
             c = known.at(known.state)
             for term in self._resisting:
                 term.add_residual(c, r)
-            known.resistance = r[self._moving]
+            known.resistance = r.take(self._moving)
         return known.resistance
 
 
@@ -224,7 +232,7 @@ def _spent(terms: Sequence[BoundTerm], parts: Sequence[Part], still: BoolArray |
 
 def _against(terms: Sequence[BoundTerm], c: Configuration, moved: FloatArray) -> float:
     """Residual of terms times displacement: the work done against them."""
-    r = np.zeros_like(moved)
+    r = np.zeros(len(moved))
     for term in terms:
         term.add_residual(c, r)
     return float(r @ moved)
