@@ -9,55 +9,51 @@ from ..geometry.kernel import loop
 
 
 @loop
-def find_places(dofs: IntArray, block: IntArray, start: IntArray, places: IntArray) -> int:
-    """Find where the blocks of DOFs of each clique begin; see :class:`.pattern.Blocks`.
+def count_pairs(
+    dofs: IntArray,
+    block: IntArray,
+    start: IntArray,
+    m: int,
+    both: bool,
+    places: IntArray,
+    counts: IntArray,
+) -> int:
+    """Find where the blocks of cliques begin, and count pairs of them by the row that they lie in.
 
     Args:
         dofs: Of cliques that are alike, shape (S, D).
         block: Of each DOF, shape (n,).
-        start: Place of the first free DOF of its block, shape (n,).
-        places: Written clique by clique, shape (S D,).
+        start: First free DOF of its block, m where all are fixed, shape (n,).
+        m: Free DOFs.
+        both: Whether both triangles are stored.
+        places: First free DOF of each block of each clique, clique by clique, written, shape (S D,).
+        counts: Added to at the row after each, shape (m + 1,).
 
     Returns:
         Blocks of a clique.
     """
     cliques, size = dofs.shape
-    count = 0
-    for k in range(size if cliques else 0):
-        if k == 0 or block[dofs[0, k]] != block[dofs[0, k - 1]]:
-            count += 1
+    n = 0
     for s in range(cliques):
-        at = s * count
+        first, n = s * n, 0
         for k in range(size):
             if k == 0 or block[dofs[0, k]] != block[dofs[0, k - 1]]:
-                places[at] = start[dofs[s, k]]
-                at += 1
-    return count
-
-
-@loop
-def count_pairs(places: IntArray, m: int, both: bool, counts: IntArray) -> None:
-    """Count pairs of blocks by the row that they lie in.
-
-    Args:
-        places: First free DOF of each block of each clique, m where all are fixed, shape (S, n).
-        m: Free DOFs.
-        both: Whether both triangles are stored.
-        counts: Added to at the row after each, shape (m + 1,).
-    """
-    for s in range(len(places)):
-        for i in range(places.shape[1]):
-            for j in range(i, places.shape[1]):
-                low, high = min(places[s, i], places[s, j]), max(places[s, i], places[s, j])
+                places[first + n] = start[dofs[s, k]]
+                n += 1
+        for i in range(n):
+            for j in range(i, n):
+                one, other = places[first + i], places[first + j]
+                low, high = min(one, other), max(one, other)
                 if high < m:
                     counts[low + 1] += 1
                     if both and high != low:
                         counts[high + 1] += 1
+    return n
 
 
 @loop
 def fill_pairs(places: IntArray, m: int, both: bool, at: IntArray, columns: IntArray) -> None:
-    """Write the columns of these pairs, row by row; ``at`` is where each row goes on, shape (m + 1,)."""
+    """Write the columns of pairs of blocks (S, n) row by row; ``at`` is where each row goes on, (m + 1,)."""
     for s in range(len(places)):
         for i in range(places.shape[1]):
             for j in range(i, places.shape[1]):
@@ -115,6 +111,7 @@ def spread_pairs(begin: IntArray, columns: IntArray, width: IntArray, both: bool
 @loop
 def merge(
     base: IntArray,
+    begin: IntArray,
     wanted: IntArray,
     keys: IntArray,
     base_slots: IntArray,
@@ -127,6 +124,7 @@ def merge(
 
     Args:
         base: Keys.
+        begin: Where each row begins among these, shape (m + 1,).
         wanted: Keys.
         keys: Both, each once, written, as long as both together.
         base_slots: Where those of the base are among them, written.
@@ -139,31 +137,35 @@ def merge(
         Number of distinct keys.
     """
     m = len(diagonal)
-    i, j, found, row, first = 0, 0, 0, 0, 0
-    indptr[0] = 0
-    while i < len(base) or j < len(wanted):
-        if j == len(wanted):
-            key = base[i]
-        elif i == len(base):
-            key = wanted[j]
-        else:
-            key = min(base[i], wanted[j])
-        while key >= first + m:
-            row += 1
-            first += m
-            indptr[row] = found
-        keys[found] = key
-        indices[found] = key - first
-        if key - first == row:
-            diagonal[row] = found
-        if i < len(base) and base[i] == key:
-            base_slots[i] = found
-            i += 1
-        if j < len(wanted) and wanted[j] == key:
-            wanted_slots[j] = found
-            j += 1
-        found += 1
-    while row < m:
-        row += 1
+    j, found = 0, 0
+    for row in range(m):
         indptr[row] = found
+        first, i, end = row * m, begin[row], begin[row + 1]
+        while j < len(wanted) and wanted[j] < first + m:
+            key = wanted[j]
+            while i < end and base[i] < key:
+                keys[found] = base[i]
+                indices[found] = base[i] - first
+                base_slots[i] = found
+                found += 1
+                i += 1
+            if i < end and base[i] == key:
+                base_slots[i] = found
+                i += 1
+            keys[found] = key
+            indices[found] = key - first
+            wanted_slots[j] = found
+            found += 1
+            j += 1
+        # most rows have nothing new
+        for k in range(i, end):
+            keys[found] = base[k]
+            indices[found] = base[k] - first
+            base_slots[k] = found
+            found += 1
+        for k in range(indptr[row], found):
+            if indices[k] == row:
+                diagonal[row] = k
+                break
+    indptr[m] = found
     return found

@@ -17,7 +17,6 @@ from .pattern import Blocks, Extension, SparsityPattern
 _Loop: TypeAlias = Callable[..., Any]
 
 LOOPS: Final[tuple[_Loop, ...]] = (
-    entry_loops.find_places,
     entry_loops.count_pairs,
     entry_loops.fill_pairs,
     entry_loops.spread_pairs,
@@ -43,7 +42,6 @@ class CompiledExtender:
     Attributes:
         base: The pattern.
         blocks: Its blocks of DOFs.
-        find: See :func:`.entry_loops.find_places`.
         count: See :func:`.entry_loops.count_pairs`.
         fill: See there.
         spread: See there.
@@ -52,7 +50,6 @@ class CompiledExtender:
 
     base: SparsityPattern
     blocks: Blocks
-    find: _Loop
     count: _Loop
     fill: _Loop
     spread: _Loop
@@ -62,10 +59,8 @@ class CompiledExtender:
         """Keys of all entries of cliques: the pairs of blocks in buckets by rows."""
         both, blocks = not self.base.symmetric, self.blocks
         m = len(blocks.width)
-        cliques = [self._places(coupling) for coupling in couplings]
         counts = np.zeros(m + 1, dtype=np.int64)
-        for places in cliques:
-            self.count(places, m, both, counts)
+        cliques = [self._counted(coupling, both, counts) for coupling in couplings]
         begin = np.cumsum(counts)
         at, columns = begin.copy(), np.empty(int(begin[-1]), dtype=np.int64)
         for places in cliques:
@@ -78,25 +73,27 @@ class CompiledExtender:
             self.spread(begin, columns, blocks.width, both, keys)
         return keys[:found]
 
-    def _places(self, coupling: Coupling) -> IntArray:
-        """Starts of the blocks of each clique, shape (S, blocks)."""
-        dofs, blocks = coupling.dofs, self.blocks
-        places = np.empty(dofs.size, dtype=np.int64)
-        count = self.find(dofs, blocks.of, blocks.start, places)
-        return places[: len(dofs) * count].reshape(len(dofs), count)
-
     def extended(self, entries: IntArray) -> Extension:
         """The pattern with more entries."""
         base, m = self.base.keys, self.base.m
         keys, indices = np.empty((2, len(base) + len(entries)), dtype=np.int64)
         base_slots, entry_slots = np.empty(len(base) + 1, dtype=np.int64), np.empty_like(entries)
         indptr, diagonal = np.empty(m + 1, dtype=np.int64), np.empty(m, dtype=np.int64)
-        found = self.merge(base, entries, keys, base_slots, entry_slots, indptr, indices, diagonal)
+        found = self.merge(
+            base, self.base.indptr, entries, keys, base_slots, entry_slots, indptr, indices, diagonal
+        )
         base_slots[-1] = found
         pattern = replace(
             self.base, keys=keys[:found], indptr=indptr, indices=indices[:found], diagonal=diagonal
         )
         return Extension(pattern, base_slots, entry_slots, entries)
+
+    def _counted(self, coupling: Coupling, both: bool, counts: IntArray) -> IntArray:
+        """Starts of the blocks of each clique, shape (S, blocks), their pairs counted."""
+        dofs, blocks = coupling.dofs, self.blocks
+        places = np.empty(dofs.size, dtype=np.int64)
+        n = self.count(dofs, blocks.of, blocks.start, len(blocks.width), both, places, counts)
+        return places[: len(dofs) * n].reshape(len(dofs), n)
 
 
 def extender_of(base: SparsityPattern, driver: Driver) -> Extender:
