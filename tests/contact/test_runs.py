@@ -45,6 +45,20 @@ def test_below_the_threshold_it_stays(law: dict[str, float]) -> None:
     assert counters["iterations"] <= 3 * counters["steps"]
 
 
+@pytest.mark.parametrize("r", [0.999, 1.001])
+def test_the_threshold_of_a_slope(r: float) -> None:
+    """A thousandth below tan a = mu it creeps as the law says, a thousandth above it slides away."""
+    deck = on_floor()
+    deck["forces"] = [{"type": "gravity", "acceleration": [9.8 * 0.4 * r, 0, -9.8]}]
+    deck["numerics"] = {"integrator": {"type": "implicit_euler"}, "dt": 1e-2, "t_end": 2.0}
+    deck["output"] = {"every": 1.0, "probes": {"speed": {"velocity": "rod", "component": "x"}}}
+    _, middle, end = dismech_cli.simulate(deck).scalars["speed"]
+    if r < 1.0:
+        assert_allclose(end, 1e-3 * np.log((1.0 + r) / (1.0 - r)) / 15.0, rtol=1e-3)
+    else:
+        assert_allclose(end - middle, 0.4 * 9.8 * (r - 1.0), rtol=1e-2)
+
+
 def test_friction_turns_kinetic_energy_into_heat() -> None:
     deck = on_floor(initial_velocity=[{"where": "rod", "velocity": [1.0, 0.0, 0.0]}])
     deck["numerics"]["t_end"] = 0.4
