@@ -32,6 +32,7 @@ SECTIONS = (
     "other_code",
     "gradients",
     "start_up",
+    "drawing",
     "memory",
 )
 TABLES = ("adaptive", "check_times", "extremes", "published", "scene_trade", "trade_tables")

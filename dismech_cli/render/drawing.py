@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import queue
 import subprocess
+import sys
 import tempfile
 import threading
 from collections.abc import Callable, Iterator
@@ -20,7 +21,7 @@ from .probe import RendererName, find_renderer
 from .settings import Image
 
 # Starting a process costs as much as drawing some dozens of frames.
-_MANY_FRAMES = 60
+_WORTH = 30
 # What draws unless it cannot; trying it out beforehand would cost as much as drawing some dozens of frames.
 _PREFERRED: RendererName = "pyvista"
 # A process that is ahead of the others may go on by this many pictures.
@@ -54,8 +55,15 @@ def draw(job: Job, plain: Plain) -> Iterator[Image]:
 
 
 def processes_for(count: int) -> int:
-    """How many processes draw a number of pictures."""
-    return 1 if count < _MANY_FRAMES else os.cpu_count() or 1
+    """How many draw a number of pictures: one for each core, none for less than its start is worth."""
+    return max(1, min(_cores(), count // _WORTH))
+
+
+def _cores() -> int:
+    """Cores that this process may use, which may be fewer than there are."""
+    if sys.platform == "linux":
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
 
 
 def _draw_all(job: Job) -> Iterator[Image]:

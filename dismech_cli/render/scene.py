@@ -33,7 +33,7 @@ _BALL = 0.035  # of the height of the picture: radius of the ball that is looked
 
 def draw(stage: Stage) -> Iterator[Image]:
     """Yield one picture per shot; see :class:`.job.Renderer`."""
-    scene = _Scene(stage)
+    scene = Scene(stage)
     try:
         for number, shot in enumerate(stage.shots):
             scene.set(shot)
@@ -42,7 +42,7 @@ def draw(stage: Stage) -> Iterator[Image]:
         scene.close()
 
 
-class _Scene:
+class Scene:
     """All that stands on the stage."""
 
     def __init__(self, stage: Stage) -> None:

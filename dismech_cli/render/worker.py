@@ -29,12 +29,13 @@ def work(job: Job) -> Iterator[Image]:
     pixel = None if framing.angle else framing.pixel(settings.size)
     labels = Labels(settings, pixel, job.scale)
     with read(job.run_dir) as run:
-        images = RENDERERS[job.renderer](_stage(job, run))
+        images = RENDERERS[job.renderer](stage_of(job, run))
         for shot, image in zip(job.shots, images, strict=True):
             yield labels.write(image, shot, job.decimals)
 
 
-def _stage(job: Job, run: Run) -> Stage:
+def stage_of(job: Job, run: Run) -> Stage:
+    """What a renderer works with."""
     settings, times = job.settings, run.t
     painter = Painter(
         run.topology,

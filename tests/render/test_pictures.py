@@ -126,10 +126,39 @@ def test_a_floor_has_a_shadow_and_corners_are_dark(tmp_path):
     assert after[robot].mean() < before[robot].mean()
 
 
+def test_processes_are_as_many_as_cores_and_worth_their_start(monkeypatch):
+    monkeypatch.setattr(drawing, "_cores", lambda: 4)
+    assert [drawing.processes_for(count) for count in (0, 1, 59, 60, 119, 120, 10_000)] == [
+        1,
+        1,
+        1,
+        2,
+        3,
+        4,
+        4,
+    ]
+    monkeypatch.setattr(drawing, "_cores", lambda: 1)
+    assert drawing.processes_for(10_000) == 1
+
+
+def test_pictures_are_the_same_however_many_processes_draw(tmp_path, monkeypatch):
+    if probe.find_renderer() != "pyvista":
+        pytest.skip("this machine has no OpenGL library")
+    run_dir = write_run(tmp_path / "run", cantilever(frames=4))
+    monkeypatch.setattr(drawing, "_WORTH", 2)
+    drawn = []
+    for cores in (1, 2):
+        monkeypatch.setattr(drawing, "_cores", lambda cores=cores: cores)
+        files = draw(run_dir, times=(0.0, 0.1, 0.2, 0.3), output=tmp_path / str(cores), ground="floor")
+        drawn.append([file.read_bytes() for file in files])
+    assert len(drawn[0]) == 4
+    assert drawn[0] == drawn[1]
+
+
 def test_several_processes_draw_one_film_and_report_progress(tmp_path, monkeypatch):
     monkeypatch.setattr(drawing, "_PREFERRED", "matplotlib")
-    monkeypatch.setattr(drawing, "_MANY_FRAMES", 4)
-    monkeypatch.setattr(drawing.os, "cpu_count", lambda: 2)
+    monkeypatch.setattr(drawing, "_WORTH", 4)
+    monkeypatch.setattr(drawing, "_cores", lambda: 2)
     run_dir = write_run(tmp_path, cantilever(frames=11))
     calls = []
     (file,) = draw(run_dir, formats=("gif",), progress=lambda done, total: calls.append((done, total)))
