@@ -68,6 +68,11 @@ class Stage:
         """a_s(q)."""
         return self.weights.a * q + self.a0
 
+    def acceleration_of(self, q: FloatArray, dofs: IntArray) -> FloatArray:
+        """The same of some DOFs, shape (K,)."""
+        some: FloatArray = self.weights.a * q[dofs] + self.a0[dofs]
+        return some
+
     def finish(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Velocity and acceleration at t_end."""
         return self.v_end[0] * q + self.v_end[1], self.a_end[0] * q + self.a_end[1]
@@ -95,9 +100,9 @@ def at_state(state: State) -> Stage:
     )
 
 
-def mean_acceleration(start: State, end: State, dt: float) -> FloatArray:
-    """Difference quotient of the velocities over a step, shape (n,)."""
-    mean: FloatArray = (end.v - start.v) / dt
+def mean_acceleration(start: State, end: State, dt: float, dofs: IntArray) -> FloatArray:
+    """Difference quotient of the velocities of some DOFs over a step, shape (K,)."""
+    mean: FloatArray = (end.v[dofs] - start.v[dofs]) / dt
     return mean
 
 
@@ -147,21 +152,27 @@ class Integrator(Protocol):
         """
 
 
+def _between(end: FloatArray, start: FloatArray, alpha: float) -> FloatArray:
+    """A value before the end of a step by a share of it: most integrators are not, at half the cost."""
+    return (1.0 - alpha) * end + alpha * start if alpha else end
+
+
 def _newmark_stage(s: State, dt: float, beta: float, gamma: float, alpha_f: float, alpha_m: float) -> Stage:
     """Newmark maps with balance at t + (1 - alpha_f) dt, as generalised-alpha needs them."""
     av = 1.0 / (beta * dt * dt)
-    a_const = -av * (s.q + dt * s.v) - (0.5 / beta - 1.0) * s.a
+    ahead = s.q + dt * s.v
+    a_const = -av * ahead - (0.5 / beta - 1.0) * s.a
     v_slope = gamma * dt * av
     v_const = s.v + dt * ((1.0 - gamma) * s.a + gamma * a_const)
     f, m = 1.0 - alpha_f, 1.0 - alpha_m
     return Stage(
         t_stage=s.t + f * dt,
         t_end=s.t + dt,
-        predictor=s.q + dt * s.v + 0.5 * dt * dt * s.a,
+        predictor=ahead + 0.5 * dt * dt * s.a,
         weights=Weights(q=f, v=f * v_slope, a=m * av),
         q0=alpha_f * s.q,
-        v0=f * v_const + alpha_f * s.v,
-        a0=m * a_const + alpha_m * s.a,
+        v0=_between(v_const, s.v, alpha_f),
+        a0=_between(a_const, s.a, alpha_m),
         v_end=(v_slope, v_const),
         a_end=(av, a_const),
         inputs=s.inputs,

@@ -31,9 +31,9 @@ class Predictor:
         stage = problem.stage
         plain = stage.predictor.copy()
         prescribe(self._model.motions, plain, stage.t_end, since)
-        moved = plain - stage.predictor
-        if stage.weights.a == 0.0 and moved.any():
-            followed = self._followed(problem, moved)
+        if stage.weights.a == 0.0:
+            moved = plain - stage.predictor
+            followed = self._followed(problem, moved) if moved.any() else None
             if followed is not None:
                 yield followed
         yield plain

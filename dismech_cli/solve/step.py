@@ -277,8 +277,8 @@ def through_stages(
         trail.append(latest)
     # What holds a mass also moves it, along its path and not as the integrator would have it.
     held = stepper.held
-    wanted = mean_acceleration(start, latest, dt)[held]
-    inertia = stepper.model.mass[held] * (wanted - stage.acceleration(result.q)[held])
+    wanted = mean_acceleration(start, latest, dt, held)
+    inertia = stepper.model.mass[held] * (wanted - stage.acceleration_of(result.q, held))
     result.residual[held] += inertia
     return StepResult(
         latest,
