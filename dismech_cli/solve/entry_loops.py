@@ -37,7 +37,9 @@ def count_pairs(
     for s in range(cliques):
         first, n = s * n, 0
         for k in range(size):
-            if k == 0 or block[dofs[0, k]] != block[dofs[0, k - 1]]:
+            here, last = dofs[0, k], dofs[0, max(k - 1, 0)]
+            # a clique that visits a block twice in a row begins it anew
+            if here <= last or block[here] != block[last]:
                 places[first + n] = start[dofs[s, k]]
                 n += 1
         for i in range(n):

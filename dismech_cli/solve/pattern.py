@@ -210,8 +210,10 @@ class Blocks:
 
     def places(self, coupling: Coupling) -> IntArray:
         """Starts of the blocks of each clique, shape (S, blocks)."""
-        blocks = self.of[coupling.dofs[:1]]
-        one_each = np.flatnonzero(np.diff(blocks, axis=1, prepend=-1).any(axis=0))
+        # DOFs of a block ascend: where they do not, a clique visits it twice in a row
+        first = coupling.dofs[:1]
+        new = (np.diff(self.of[first], prepend=-1) != 0) | (np.diff(first, prepend=-1) <= 0)
+        one_each = np.flatnonzero(new.any(axis=0))
         return self.start[coupling.dofs[:, one_each]]
 
 

@@ -201,6 +201,7 @@ def test_places(compiled: Loops, symmetric: bool) -> None:
     """Where the entries of items are, with fixed DOFs and an item that visits a node twice."""
     dofs = DofMap(30, 0, (0, 1, 2), 30)
     nodes = RNG.integers(0, 30, size=(40, 4))
+    nodes[0] = 5, 5, 8, 9
     stencils = Stencils(dofs, nodes)
     free = RNG.uniform(size=dofs.n) > 0.2
     chain = np.stack((np.arange(29), np.arange(1, 30)), axis=1)
