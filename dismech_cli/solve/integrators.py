@@ -43,6 +43,8 @@ class Stage:
         v_end: (slope, constant) of the velocity at t_end.
         a_end: (slope, constant) of the acceleration at t_end.
         inputs: What controllers put in during the step, shape (K,).
+        lead: What the first guess goes on by if the last accelerations last, shape (n,); None where it does
+            already, or nothing accelerates.
     """
 
     t_stage: float
@@ -55,6 +57,7 @@ class Stage:
     v_end: tuple[float, FloatArray]
     a_end: tuple[float, FloatArray]
     inputs: FloatArray
+    lead: FloatArray | None = None
 
     def position(self, q: FloatArray) -> FloatArray:
         """q_s(q)."""
@@ -216,6 +219,7 @@ class ImplicitEuler:
             v_end=(1.0 / dt, v_const),
             a_end=(1.0 / dt**2, a_const),
             inputs=start.inputs,
+            lead=dt * dt * start.a,
         )
 
 

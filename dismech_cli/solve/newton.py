@@ -70,13 +70,11 @@ def _full_steps(problem: StageProblem, guess: FloatArray) -> NewtonResult:
         if iterations == _FULL_STEPS:
             break
         try:
-            tangent = problem.tangent(q, now)
-            step = tangent.updated(now).solve(rhs)
+            step, indefinite = problem.step(q, now, rhs)
         except ExhaustedError:
             break
         except FactorizationError:
             return failed(problem, q, now, Status.FACTORIZATION_FAILED)
-        indefinite = tangent.factors.indefinite
         moved, _ = problem.size(step)
         if not moved <= _RUNAWAY * problem.system.extent:
             status = Status.FACTORIZATION_FAILED if isfinite(moved) else Status.NOT_FINITE

@@ -12,6 +12,7 @@ from ..arrays import FloatArray, IntArray
 from ..kinematics.rod_frames import FrameState
 from .assembly import Linearized
 from .integrators import Stage
+from .kept import Kept
 from .linear.factors import Factors
 from .linear.updated import UpdatedFactors
 from .system import System
@@ -19,7 +20,7 @@ from .woven import Solved
 
 
 class ExhaustedError(Exception):
-    """The factorisations allowed are used up."""
+    """The linear solves allowed are used up."""
 
 
 def _root(slope: Callable[[float], float], at_start: float, end: float) -> float:
@@ -107,13 +108,15 @@ class StageProblem:
         stage: What is solved.
         stored: Frames at the start of the step.
         settings: Stopping rule.
-        spent: Factorisations done, those of shifted and of projected tangents included.
+        kept: Factors that the step keeps.
+        spent: Linear solves done, those of shifted tangents and factorisations of projected ones included.
     """
 
     system: System
     stage: Stage
     stored: FrameState
     settings: NewtonSettings
+    kept: Kept = field(default_factory=Kept)
     spent: int = field(default=0, init=False)
 
     @property
@@ -215,7 +218,29 @@ class StageProblem:
         if self.used_up:
             raise ExhaustedError
         self.spent += 1
+        self.kept.drop()
         return self.system.solver.factorize(values)
+
+    def step(self, q: FloatArray, now: Linearized, rhs: FloatArray) -> tuple[FloatArray, bool]:
+        """Newton's step (m,), and whether the last factorised tangent is known to be indefinite.
+
+        Args:
+            q: Trial point, shape (n,).
+            now: Residual and tangent there.
+            rhs: What the tangent times the step is, shape (m,).
+
+        Raises:
+            ExhaustedError: No linear solve is left.
+            FactorizationError: The matrix is singular or not finite.
+        """
+        if self.stage.weights.a > 0.0 and not self.used_up:
+            step = self.kept.solve(self.system.solver, self.system.pattern, now, rhs)
+            if step is not None:
+                self.spent += 1
+                return step, False
+        tangent = self.tangent(q, now)
+        self.kept.keep(self.system.solver, tangent.factors)
+        return tangent.updated(now).solve(rhs), tangent.factors.indefinite
 
     def tangent(self, q: FloatArray, now: Linearized) -> Tangent:
         """The tangent to step with, as the settings choose it; raises as :meth:`factorize` does."""

@@ -15,6 +15,7 @@ from ..model.model import Model
 from ..model.state import State
 from .accelerations import LENGTH, balanced, rescaled, rubbed
 from .integrators import Integrator, Stage, mean_acceleration
+from .kept import Kept
 from .newton import solve_stage
 from .predictor import Predictor
 from .problem import NewtonSettings, StageProblem
@@ -250,13 +251,13 @@ def through_stages(
 ) -> StepResult:
     """All stages of the integrator, each by a solver for its balance."""
     system, latest, iterations, ambiguous = stepper.system, start, 0, False
-    trail = [start]
+    share, trail, kept = stepper.predictor.share(start), [start], Kept()
     for index in range(stepper.integrator.stages):
         stage = stepper.integrator.stage(index, start, latest, dt)
-        ahead = StageProblem(system, stage, latest.frames, settings)
+        ahead = StageProblem(system, stage, latest.frames, settings, kept)
         since = Since(latest.t, latest.q, latest.frames)
-        for guess in stepper.predictor.guesses(ahead, since):
-            problem = StageProblem(system, stage, latest.frames, settings)
+        for guess in stepper.predictor.guesses(ahead, since, share):
+            problem = StageProblem(system, stage, latest.frames, settings, kept)
             result = solve(problem, problem.reachable(latest.q, guess))
             iterations += result.iterations
             if result.status is Status.CONVERGED:
@@ -268,12 +269,13 @@ def through_stages(
             )
         ambiguous = ambiguous or (result.indefinite and stage.weights.a > 0.0)
         if result.iterations >= settings.slow:
-            again = StageProblem(system, stage, latest.frames, settings)
+            again = StageProblem(system, stage, latest.frames, settings, kept)
             still = again.reachable(latest.q, stepper.predictor.still(again, since))
             sure, spent = confirmed(again, solve, latest.q, still, result)
             iterations += spent
             ambiguous = ambiguous or not sure
-        latest = stepper.accept(stage, latest, result.q, result.frames)
+        end = stepper.accept(stage, latest, result.q, result.frames)
+        latest = stepper.predictor.learnt(stage, end)
         trail.append(latest)
     # What holds a mass also moves it, along its path and not as the integrator would have it.
     held = stepper.held

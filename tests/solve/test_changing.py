@@ -95,7 +95,8 @@ def test_equal_to_springs_that_were_there_from_the_start(integrator: object, sce
         results = [s.step(state, dt) for s, state in zip((coming, always, never), states, strict=True)]
         assert [r.status for r in results] == [Status.CONVERGED] * 3
         assert results[0].iterations == results[1].iterations
-        states = [r.state for r in results]
+        # nothing remembered where nothing comes and goes: the same guesses for all
+        states = [results[0].state, *[replace(r.state, memory={}) for r in results[1:]]]
     term = coming.system.terms[-1]
     assert isinstance(term, ComingAndGoing)
     assert term.changes > 3

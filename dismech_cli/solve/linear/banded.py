@@ -70,6 +70,7 @@ class CholeskyFactors:
     band: FloatArray
     factor: FloatArray
     indefinite: ClassVar[bool] = False
+    price: ClassVar[float] = 1.0
 
     def solve(self, rhs: FloatArray) -> FloatArray:
         """Solve A x = rhs."""
@@ -103,6 +104,7 @@ class BandedFactors:
     band: FloatArray | None
     lu: FloatArray
     pivots: IntArray
+    price: ClassVar[float] = 1.0
 
     @property
     def indefinite(self) -> bool:

@@ -61,6 +61,7 @@ class DenseFactors:
     lu: FloatArray
     pivots: IntArray
     symmetric: bool
+    price: ClassVar[float] = 1.0
 
     @property
     def indefinite(self) -> bool:

@@ -20,7 +20,7 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ..pattern import SparsityPattern
-from .factors import FactorizationError, checked
+from .factors import FactorizationError, checked, price_of
 
 # Below this order minimum degree gives factors no larger than nested dissection, and finds them sooner
 # (benchmarks/shells.py: 2.2 ms instead of 2.5 ms at 1500 DOFs, 80 ms instead of 67 ms at 15 000).
@@ -128,6 +128,7 @@ class PardisoFactors:
         self._iparm[9] = 8 if kind == _INDEFINITE else 13  # pivot perturbation 1e-8 / 1e-13
         # No matching or scaling (11, 13): they read the values during analysis, and a resumed run
         # that analyses at other values would not repeat a straight run bit by bit.
+        self._iparm[17] = self._iparm[18] = -1  # count entries of the factors, and operations
         self._iparm[20] = 1  # Bunch-Kaufman pivots
         self._iparm[34] = 1  # zero-based indices
         self._rows = pattern.indptr.astype(np.int32)
@@ -153,6 +154,11 @@ class PardisoFactors:
     def indefinite(self) -> bool:
         """Cholesky's method failed."""
         return self._kind == _INDEFINITE
+
+    @property
+    def price(self) -> float:
+        """By the analysis."""
+        return price_of(1e6 * float(self._iparm[18]), float(self._iparm[17]))
 
     def solve(self, rhs: FloatArray) -> FloatArray:
         """Solve with the last factors."""

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ..pattern import SparsityPattern
-from .factors import FactorizationError, checked
+from .factors import FactorizationError, checked, price_of
 
 
 class SuperLuSolver:
@@ -57,6 +57,12 @@ class SuperLuFactors:
     matrix: Any
     factors: Any
     symmetric: bool
+
+    @property
+    def price(self) -> float:
+        """At least, by the mean column of the factors."""
+        entries = float(self.factors.nnz)
+        return price_of(0.5 * entries * entries / self.matrix.shape[0], entries)
 
     @property
     def indefinite(self) -> bool:

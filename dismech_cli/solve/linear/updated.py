@@ -29,6 +29,11 @@ class UpdatedFactors:
         """Never known: the update is not symmetric."""
         return False
 
+    @property
+    def price(self) -> float:
+        """That of A."""
+        return self.factors.price
+
     def solve(self, rhs: FloatArray) -> FloatArray:
         """Solve (A + columns rows^T) x = rhs."""
         return _woodbury(self.factors.solve, self.columns, self.rows, rhs)
