@@ -102,6 +102,10 @@ class _TimedFactors:
     def indefinite(self) -> bool:
         return self.factors.indefinite
 
+    @property
+    def price(self) -> float:
+        return self.factors.price
+
     def solve(self, rhs: FloatArray) -> FloatArray:
         return self.split.timed("solve", self.factors.solve)(rhs)
 

@@ -105,7 +105,7 @@ def test_the_same_motion_with_one_factorisation_a_step(
 
     monkeypatch.setattr(kind, "factorize", counted)
     state, results = moved(Stepper(model, integrator, NewtonSettings(), solver), 8, dt=0.03)
-    assert sum(r.iterations for r in results) >= 2 * 8
+    assert sum(r.iterations for r in results) >= 12
     assert made[0] == 8
     size = np.abs(known.q - model.rest).max()
     error, before = np.abs(state.q - known.q).max(), np.abs(anew.q - known.q).max()
