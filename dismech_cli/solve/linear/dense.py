@@ -43,6 +43,7 @@ class NoFactors:
     """Of the matrix without rows, where everything is held."""
 
     indefinite: ClassVar[bool] = False
+    price: ClassVar[float] = 1.0
 
     def solve(self, rhs: FloatArray) -> FloatArray:
         """The solution, which is empty."""
