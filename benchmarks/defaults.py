@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import signal
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from types import FrameType
 
 from dismech_cli import load, simulate
 from dismech_cli.errors import DismechError
@@ -20,6 +23,7 @@ from .table import table
 
 DEFAULT = "numerics.integrator={type: tr_bdf2}"
 COARSE = 4.0  # times the time step of the file
+LONGEST = 300.0  # processor time after which a run is given up [s]
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,6 +70,11 @@ def report(quick: bool) -> str:
         rows.append(_row(path, ways))
         # the whole takes long: what is measured is seen
         print("|", " | ".join(rows[-1]), "|", flush=True)
+    return page(ways, rows)
+
+
+def page(ways: Sequence[Way], rows: Sequence[Sequence[str]]) -> str:
+    """The table of what was measured, under what it means."""
     return "\n\n".join(
         (
             "## Defaults that finish\n\n"
@@ -73,7 +82,8 @@ def report(quick: bool) -> str:
             "times its time step, with the default integrator, and with both; *same* where that changes "
             "nothing, a dash where there is no step or integrator to change. Iterations of Newton's method "
             "and CPU seconds; *n of m* expectations missed, which are made for the scene as shipped; "
-            "**failed** if the run did not come to its end; *doubts* where it said so itself:",
+            "**failed** if the run did not come to its end, "
+            f"**stopped** after {LONGEST:g} s; *doubts* where it said so itself:",
             table(("scene", "dt [ms]", *(way.name for way in ways)), rows),
         )
     )
@@ -96,11 +106,30 @@ def _row(path: Path, ways: tuple[Way, ...]) -> list[str]:
 def _cell(loaded: LoadedScenario) -> str:
     start = time.process_time()
     try:
-        done = simulate(loaded)
+        with _within(LONGEST):
+            done = simulate(loaded)
     except DismechError as error:
         return f"**refused**: {str(error).splitlines()[0]}"
+    except TimeoutError:
+        return "**stopped**"
     spent = time.process_time() - start
     return f"{_end(done)}{done.outcome.counters['iterations']} it, {spent:.2g} s{_marks(done)}"
+
+
+@contextmanager
+def _within(seconds: float) -> Iterator[None]:
+    """Stop the block after so much processor time [s]."""
+
+    def stop(number: int, frame: FrameType | None) -> None:
+        raise TimeoutError
+
+    before = signal.signal(signal.SIGPROF, stop)
+    signal.setitimer(signal.ITIMER_PROF, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
+        signal.signal(signal.SIGPROF, before)
 
 
 def _end(done: Report) -> str:
