@@ -1,8 +1,13 @@
-"""Adaptive steps against fixed ones at equal error, in Newton iterations."""
+"""Adaptive steps against fixed ones at equal error, in Newton iterations.
+
+python -m benchmarks adaptive [SCENE[:INTEGRATOR] ...]      measures, and writes the table of docs/trade.md
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import json
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass
 from math import inf
 from pathlib import Path
 from typing import Final
@@ -18,85 +23,167 @@ from dismech_cli.studies.sweep.points import Base
 from .table import table
 
 ROOT: Final = Path(__file__).parents[1]
-# file, overrides, quantity, steps of fixed runs and of the reference [ms], tolerances
-SCENES: Final[dict[str, tuple[str, tuple[str, ...], str, Sequence[float], float, Sequence[float]]]] = {
-    "swing": (
+PAGE: Final = ROOT / "docs" / "trade.md"
+KEPT: Final = Path(__file__).with_name("results") / "adaptive.json"
+BEGIN, END = "<!-- python -m benchmarks adaptive -->", "<!-- end -->"
+INTEGRATORS: Final = ("tr_bdf2", "generalized_alpha")
+
+
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """A run that is made with steps of both kinds.
+
+    Attributes:
+        title: What it is.
+        file: Scenario.
+        changes: What is set in it.
+        quantity: Whose error counts.
+        steps: Of the fixed runs [ms].
+        finest: Step of the run that counts as right [ms].
+        tolerances: Of the adaptive runs.
+        bar: Most iterations of adaptive steps, over those of fixed ones.
+    """
+
+    title: str
+    file: str
+    changes: tuple[str, ...]
+    quantity: str
+    steps: tuple[float, ...]
+    finest: float
+    tolerances: tuple[float, ...]
+    bar: float
+
+
+SCENES: Final = {
+    "swing": Scene(
+        "swing of a soft cantilever, 1 s",
         "scenarios/cantilever_dynamic_1e5.yaml",
         ("motions[0].at=node", "numerics.t_end=1 s"),
         "tip",
         (25.0, 12.5, 6.25, 3.125, 1.5625),
         0.4,
         (1e-2, 1e-3, 3e-4, 1e-4),
+        1.1,
     ),
-    "coil": (
+    "coil": Scene(
+        "swing of a soft helix, 0.6 s",
         "scenarios/helix_soft.yaml",
         ("numerics.t_end=0.6 s",),
         "tip",
         (20.0, 10.0, 5.0, 2.5),
         0.6,
         (1e-2, 1e-3, 3e-4),
+        1.1,
     ),
-    "twitch": (
+    "twitch": Scene(
+        "twitch of an arm in thick water, 3 s",
         "tests/data/twitch.yaml",
         (),
         "tip",
         (40.0, 20.0, 10.0, 5.0, 2.5),
         0.5,
         (1e-2, 3e-3, 1e-3, 3e-4),
+        0.85,
     ),
-    "jellyfish": (
+    "jellyfish": Scene(
+        "two beats of a jellyfish, 1 s",
         "scenarios/jellyfish.yaml",
         ("numerics.t_end=1 s",),
         "shape",
         (8.0, 4.0, 2.0, 1.0),
         0.5,
         (1e-2, 3e-3, 1e-3, 3e-4),
+        0.85,
     ),
 }
-INTEGRATORS: Final = ("tr_bdf2", "generalized_alpha")
 
 
-def report(quick: bool) -> str:
-    """The table of all scenes; of one with ``quick``."""
-    rows = [row for name in (("twitch",) if quick else SCENES) for row in compared(name, INTEGRATORS)]
-    head = ("scene", "integrator", "rtol", "error", "iterations", "of fixed steps at equal error")
-    return "## Adaptive steps\n\n" + table(head, rows)
+@dataclass(frozen=True, slots=True)
+class Compared:
+    """An adaptive run beside the fixed one that has its error.
+
+    Attributes:
+        rtol: Its tolerance.
+        error: Root mean square over time, as a share of the range.
+        iterations: Of Newton's method.
+        ratio: These over those of fixed steps, whose iterations are interpolated at equal error.
+        inside: Whether its error is between those of the fixed runs.
+    """
+
+    rtol: float
+    error: float
+    iterations: int
+    ratio: float
+    inside: bool
 
 
-def compared(name: str, integrators: Sequence[str]) -> list[tuple[str, ...]]:
-    """Rows of a scene."""
-    file, overrides, probe, steps, finest, tolerances = SCENES[name]
-    quantities = {"q": Measured(probe=probe, norm="rms")}
-    every = ("expect={}", *(() if probe == "shape" else ("output.every=0.5 s",)))
+def compared(scene: Scene, integrators: Sequence[str]) -> Iterator[tuple[str, list[Compared]]]:
+    """Adaptive runs of a scene, by integrator; one for each tolerance."""
+    quantities = {"q": Measured(probe=scene.quantity, norm="rms")}
+    every = ("expect={}", *(() if scene.quantity == "shape" else ("output.every=0.5 s",)))
 
     def ran(*more: str) -> Point:
-        base = Base(path=ROOT / file, overrides=(*overrides, *every, *more))
+        base = Base(path=ROOT / scene.file, overrides=(*scene.changes, *every, *more))
         return measure(base, (), quantities, inf, StopRequest())
 
-    rows = []
-    right = ran("numerics.integrator={type: tr_bdf2}", f"numerics.dt={finest} ms")
+    right = ran("numerics.integrator={type: tr_bdf2}", f"numerics.dt={scene.finest} ms")
     yardstick = Yardstick(quantities, right.t_end)
     yardstick.start(right.courses)
+
+    def error(one: Point) -> float:
+        return float(yardstick.distance(one.courses, right.courses))
+
     for integrator in integrators:
         kind = f"numerics.integrator={{type: {integrator}}}"
-        fixed = [ran(kind, f"numerics.dt={dt} ms") for dt in steps]
-        known = sorted(
-            (yardstick.distance(one.courses, right.courses), one.iterations) for one in fixed if one.stable
+        fixed = [ran(kind, f"numerics.dt={dt} ms") for dt in scene.steps]
+        known = sorted((error(one), one.iterations) for one in fixed if one.stable)
+        rows = []
+        for rtol in scene.tolerances:
+            one = ran(kind, "numerics.dt=null", f"numerics.step={{adaptive: true, rtol: {rtol}}}")
+            share = error(one)
+            equal = float(np.exp(np.interp(np.log(share), *np.log(np.array(known)).T)))
+            inside = known[0][0] <= share <= known[-1][0]
+            rows.append(Compared(rtol, share, one.iterations, one.iterations / equal, inside))
+        yield integrator, rows
+
+
+def read() -> dict[str, list[Compared]]:
+    """What was measured, by scene and integrator."""
+    if not KEPT.exists():
+        return {}
+    kept = json.loads(KEPT.read_text(encoding="utf-8"))
+    return {name: [Compared(**one) for one in rows] for name, rows in kept.items()}
+
+
+def told(measured: dict[str, list[Compared]]) -> str:
+    """The table."""
+    rows = []
+    for name, runs in measured.items():
+        scene, _, integrator = name.partition(":")
+        cells = (
+            ", ".join(f"{one.rtol:.0e}".replace("e-0", "e-") for one in runs),
+            ", ".join(f"{100.0 * one.error:.2g}" for one in runs) + " %",
+            ", ".join(str(one.iterations) for one in runs),
+            ", ".join(f"{one.ratio:.2f}" if one.inside else f"({one.ratio:.2f})" for one in runs),
         )
-        for rtol in tolerances:
-            step = f"numerics.step={{adaptive: true, rtol: {rtol}}}"
-            one = ran(kind, "numerics.dt=null", step)
-            error = yardstick.distance(one.courses, right.courses)
-            equal = np.exp(np.interp(np.log(error), *np.log(np.array(known)).T))
-            inside = known[0][0] <= error <= known[-1][0]
-            ratio = f"{one.iterations / equal:.2f}" if inside else f"({one.iterations / equal:.2f})"
-            rows.append((name, integrator, f"{rtol:g}", f"{error:.2g}", str(one.iterations), ratio))
-    return rows
+        rows.append((SCENES[scene].title, f"`{integrator}`", *cells, str(SCENES[scene].bar)))
+    return table(("scene", "integrator", "`rtol`", "error", "iterations", "of fixed steps", "bar"), rows)
 
 
 def main(names: Sequence[str]) -> None:
-    """Print rows of scenes: ``python -m benchmarks adaptive [SCENE[:INTEGRATOR] ...]``."""
-    for name in names or SCENES:
-        scene, _, integrator = name.partition(":")
-        for row in compared(scene, (integrator,) if integrator else INTEGRATORS):
-            print(*row, sep="  ", flush=True)
+    """Measure scenes, keep what came of them, and write the table."""
+    measured = read()
+    order = [f"{scene}:{integrator}" for scene in SCENES for integrator in INTEGRATORS]
+    for asked in names or SCENES:
+        scene, _, one = asked.partition(":")
+        for integrator, rows in compared(SCENES[scene], (one,) if one else INTEGRATORS):
+            measured[f"{scene}:{integrator}"] = rows
+            print(
+                scene, integrator, *(f"{row.rtol:g}: {row.ratio:.2f}" for row in rows), sep="  ", flush=True
+            )
+            measured = {name: measured[name] for name in order if name in measured}
+            kept = {name: [asdict(row) for row in rows] for name, rows in measured.items()}
+            KEPT.write_text(json.dumps(kept, indent=1) + "\n", encoding="utf-8")
+    text = PAGE.read_text(encoding="utf-8")
+    before, rest = text.split(BEGIN)
+    PAGE.write_text(f"{before}{BEGIN}\n{told(measured)}\n{END}{rest.split(END, 1)[1]}", encoding="utf-8")

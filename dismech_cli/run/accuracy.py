@@ -11,7 +11,7 @@ from .error_norm import ErrorNorm
 from .growing import NONE
 
 # Motion that grows counts as what it will be after this share of the run.
-_SOON: Final = 0.01
+_SOON: Final = 0.04
 
 
 class Measured(NamedTuple):
