@@ -52,8 +52,16 @@ class ErrorNorm:
         return sqrt(float(weights @ (x * x)) / max(nodes, 1.0))
 
     def moved(self, q: FloatArray, t: float) -> float:
-        """Of the way from the start to a shape (n,)."""
-        return self.size(q - self.start, t)
+        """Of the way from the start to a shape (n,), less that of what is held.
+
+        A base that carries a robot along does not move it: measured against that way, steps would not see
+        how it swings.
+        """
+        way, dofs = q - self.start, self.model.dofs
+        ways = dofs.positions(way)
+        held = held_dofs(self.model.motions, dofs.n, t)[: dofs.n_positions].reshape(ways.shape)
+        ways -= np.where(held, ways, 0.0).sum(axis=0) / np.maximum(held.sum(axis=0), 1)
+        return self.size(way, t)
 
     def share(self, error: FloatArray, motion: float, t: float) -> float:
         """Size of an error (n,) in units of the largest motion so far; infinite if it is no number."""

@@ -98,7 +98,7 @@ def conduct(session: Session, stop: StopRequest) -> Record:
     around = time.perf_counter() - tick - sum(outcome.seconds.values())
     outcome = replace(outcome, seconds=added(outcome.seconds, {"write": around}))
     ending = conclude(
-        session.loaded.scenario,
+        session.loaded,
         outcome,
         session.limits,
         stop,

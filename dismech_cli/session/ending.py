@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from shlex import quote
 
+from ..run.adaptive import RTOL
 from ..run.interrupt import StopRequest
 from ..run.loop import End, Limits, Outcome
 from ..scenario.language.scenario import Scenario
+from ..scenario.load import LoadedScenario
 from .exit_codes import Exit
 from .narrator import Narrator
 from .verdicts import Verdict, judge
 
 # Iterations of a step from which on two steps of half its length usually take fewer; not told of a few steps.
 _MANY, _SOME = 8.0, 20
+# Overrides of what is written and of what is expected change no number.
+_HARMLESS = ("output", "expect", "name")
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,12 +37,17 @@ class Ending:
 
 
 def conclude(
-    scenario: Scenario, outcome: Outcome, limits: Limits, stop: StopRequest, narrator: Narrator, advice: str
+    loaded: LoadedScenario,
+    outcome: Outcome,
+    limits: Limits,
+    stop: StopRequest,
+    narrator: Narrator,
+    advice: str,
 ) -> Ending:
     """Judge a run and tell how it ended.
 
     Args:
-        scenario: What was promised.
+        loaded: What was promised.
         outcome: What was given.
         limits: When the run was to pause.
         stop: Whether a signal stopped it.
@@ -45,7 +56,7 @@ def conclude(
     """
     for doubt in outcome.doubts:
         narrator.warn(doubt)
-    if laborious := _laborious(scenario, outcome):
+    if laborious := _laborious(loaded.scenario, outcome):
         narrator.say(laborious)
     match outcome.end:
         case End.FAILED:
@@ -56,15 +67,35 @@ def conclude(
             narrator.say("; ".join(filter(None, (message, advice))))
             return Ending(_pause_code(limits, outcome, stop), message)
         case End.DONE:
-            verdicts = judge(scenario.expect, outcome)
+            verdicts = judge(loaded.scenario.expect, outcome)
             missed = [v for v in verdicts if not v.passed]
             if not missed:
                 return Ending(Exit.DONE, "", verdicts)
             for verdict in missed:
                 narrator.warn(str(verdict))
+            for hint in _hints(loaded):
+                narrator.say(hint)
             names = ", ".join(verdict.name for verdict in missed)
             narrator.error(f"expectation missed: {names}")
             return Ending(Exit.EXPECTATION, f"missed: {names}", verdicts)
+
+
+def _hints(loaded: LoadedScenario) -> Iterator[str]:
+    """What may be the matter with a run that misses what its file promises."""
+    profile = [] if loaded.profile is None else [f"--profile {loaded.profile}"]
+    changes = [
+        *profile,
+        *(f"--set {quote(one)}" for one in loaded.overrides if not one.startswith(_HARMLESS)),
+    ]
+    if changes:
+        yield (
+            f"expected values are those of the file as written; changed here: {', '.join(changes)}. "
+            "One whose source names a step or a mesh holds for that alone"
+        )
+    numerics = loaded.scenario.numerics
+    if numerics.adapts:
+        rtol = 0.1 * (numerics.step.rtol or RTOL)
+        yield f"are steps fine enough? A tenth of their tolerance tells: --set numerics.step.rtol={rtol:.3g}"
 
 
 def _laborious(scenario: Scenario, outcome: Outcome) -> str:

@@ -129,8 +129,7 @@ def _in_memory(
         limits=prepared.limits,
         announce=narrator.detail,
     )
-    scenario = prepared.loaded.scenario
-    return outcome, conclude(scenario, outcome, prepared.limits, StopRequest(), narrator, advice="")
+    return outcome, conclude(prepared.loaded, outcome, prepared.limits, StopRequest(), narrator, advice="")
 
 
 def _in_directory(

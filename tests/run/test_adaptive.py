@@ -55,6 +55,19 @@ def _falling_arm(integrator: str) -> Deck:
     )  # fmt: skip
 
 
+def test_a_swing_on_a_base_that_travels_takes_the_steps_of_one_that_stands() -> None:
+    """Galileo: measured against the way of the base, a swing of a tenth of it would hardly be resolved."""
+    still = _falling_arm("tr_bdf2")
+    carried = still | {
+        "motions": [{"type": "clamp", "where": "rod.start", "displacement": [{"expression": "2*t"}, 0, 0]}],
+        "initial_velocity": [{"where": "rod", "velocity": [2, 0, 0]}],
+    }
+    stands, travels = (simulate(load_mapping(deck)).outcome for deck in (still, carried))
+    assert travels.counters["steps"] == stands.counters["steps"]
+    assert_allclose(travels.times, stands.times, rtol=1e-6)
+    assert_allclose(travels.watched["low"], stands.watched["low"], atol=1e-6)
+
+
 class Kept:
     """Keeps what a run produces."""
 

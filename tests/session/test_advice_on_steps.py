@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from math import pi, sqrt
+from pathlib import Path
 
 import pytest
 from decks import Deck, given_section, line, rod_deck
@@ -13,7 +14,7 @@ from dismech_cli.compose.compose import compose
 from dismech_cli.run.interrupt import StopRequest
 from dismech_cli.run.loop import Limits, Outcome
 from dismech_cli.run.sink import Progress
-from dismech_cli.scenario.load import load_mapping
+from dismech_cli.scenario.load import load, load_mapping
 from dismech_cli.session.ending import conclude
 from dismech_cli.session.modes import find_modes
 
@@ -75,5 +76,51 @@ def test_a_laborious_run_says_what_is_likely_cheaper(iterations: int, told: bool
     counts = {**report.outcome.counters, "iterations": iterations}
     outcome: Outcome = replace(report.outcome, counters=counts)
     narrator = Told()
-    conclude(loaded.scenario, outcome, Limits(), StopRequest(), narrator, advice="")
+    conclude(loaded, outcome, Limits(), StopRequest(), narrator, advice="")
     assert any("--set numerics.dt='0.01 s'" in text for text in narrator.lines) == told
+
+
+SNAKE = Path(__file__).resolve().parents[2] / "scenarios" / "snake_21.yaml"
+
+
+@pytest.mark.parametrize(
+    ("overrides", "told"),
+    [
+        (("numerics.dt=null",), "changed here: --set numerics.dt=null, --set"),
+        (
+            ("numerics.dt=40 ms", "output.every=0.1 s"),
+            "changed here: --set 'numerics.dt=40 ms', --set 'numerics.t_end=0.1 s'.",
+        ),
+    ],
+)
+def test_an_expectation_that_a_changed_run_misses_names_the_change(
+    overrides: tuple[str, ...], told: str
+) -> None:
+    """The snake promises where it comes with steps of 50 ms: without them the head is elsewhere."""
+    missed = (
+        "expect={head: {probe: {position: body.start, component: x}, value: -1, tolerance: 0, source: s}}"
+    )
+    narrator = Told()
+    loaded = load(SNAKE, overrides=(*overrides, "numerics.t_end=0.1 s", missed))
+    report = simulate(loaded, narrator=narrator)
+    assert not report.verdicts[0].passed
+    told_of_steps = [text for text in narrator.lines if "numerics.step.rtol=0.0001" in text]
+    assert len(told_of_steps) == ("numerics.dt=null" in overrides)
+    (hint,) = [text for text in narrator.lines if "expected values are those of the file" in text]
+    assert told in hint
+
+
+def test_a_file_as_it_is_has_no_change_to_name() -> None:
+    deck = DECK | {
+        "expect": {
+            "x": {
+                "probe": {"position": "rod.end", "component": "x"},
+                "value": 9,
+                "tolerance": 0,
+                "source": "s",
+            }
+        }
+    }
+    narrator = Told()
+    assert not simulate(load_mapping(deck), narrator=narrator).verdicts[0].passed
+    assert not [text for text in narrator.lines if "changed here" in text]
