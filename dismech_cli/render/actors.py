@@ -1,72 +1,69 @@
-"""Parts on the stage of VTK."""
+"""Parts on the stage of pyvista."""
 
 from __future__ import annotations
 
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..arrays import FloatArray
 from .coloring import Colors
 from .parts import Part
+from .polydata import make_actor, surface
+from .shading import shade
 
-_MESH_COLOR, _MESH_OPACITY = "#101820", 0.3
-_MATERIAL = {
-    "ambient": 0.42,
-    "diffuse": 0.66,
-    "specular": 0.22,
-    "specular_power": 30.0,
-}
+_MESH_COLOR, _MESH_OPACITY = (0x10 / 255, 0x18 / 255, 0x20 / 255), 0.3
 
 
 class PartActor:
-    """One part; positions are told relative to an origin, so that single precision is enough for them."""
+    """One part; positions are told relative to an origin, so that single precision is enough for them.
 
-    def __init__(self, part: Part, origin: FloatArray, *, smooth: bool, mesh: bool) -> None:
-        import pyvista as pv
+    Attributes:
+        part: The part.
+        points: Where its vertices are, shape (V, 3).
+        faces: Those of its triangles that are whole, shape (F, 3).
+        actor: What stands on the stage.
+    """
 
+    def __init__(self, part: Part, origin: FloatArray, *, smooth: bool, mesh: bool, parallel: bool) -> None:
+        """Make it, anywhere.
+
+        Args:
+            part: The part.
+            origin: What positions on the stage are relative to [m].
+            smooth: Whether normals are averaged over the facets.
+            mesh: Whether triangles have lines where they are those of the model.
+            parallel: Whether all lines of sight are parallel.
+        """
         self.part = part
+        self.faces = part.faces
+        self.points: NDArray[np.float32] = np.zeros((len(part.source), 3), dtype=np.float32)
         self._origin = origin
-        faces: Any = part.faces
-        points: Any = np.zeros((len(part.source), 3), dtype=np.float32)
-        self.surface: Any = pv.PolyData.from_regular_faces(points, faces)
-        self.surface["rgb"] = np.zeros((len(points), 3), dtype=np.uint8)
-        self.surface.point_data.active_normals = points + np.array([0, 0, 1], dtype=np.float32)
+        self._surface: Any = surface(self.points, part.faces)
         self._torn = False
-        self._style: dict[str, Any] = {"interpolation": "Phong" if smooth else "Flat", **_MATERIAL}
-        self._mesh = mesh and part.meshed
-
-    def add_to(self, plotter: Any) -> Any:
-        """Put it on the stage; returns VTK's actor."""
-        # Surfaces are closed: hiding what is turned away halves the work, and thin shells do not flicker.
-        actor = plotter.add_mesh(
-            self.surface,
-            scalars="rgb",
-            rgb=True,
-            culling="back",
-            show_edges=self._mesh,
-            edge_color=_MESH_COLOR,
-            edge_opacity=_MESH_OPACITY,
-        )
-        for name, value in self._style.items():
-            setattr(actor.prop, name, value)
-        return actor
+        self.actor: Any = make_actor(self._surface)
+        shade(self.actor, smooth=smooth, parallel=parallel)
+        if mesh and part.meshed:
+            self.actor.prop.show_edges = True
+            self.actor.prop.edge_color = _MESH_COLOR
+            self.actor.prop.edge_opacity = _MESH_OPACITY
 
     def move(self, t: float, positions: FloatArray) -> None:
         """Place it."""
         vertices, normals = self.part.place(t, positions)
-        vertices = (vertices - self._origin).astype(np.float32)
-        finite = np.asarray(np.isfinite(vertices).all(axis=1))
+        self.points = (vertices - self._origin).astype(np.float32)
+        finite = np.asarray(np.isfinite(self.points).all(axis=1))
         if not finite.all() or self._torn:
             # what a failed run left is cut out
             self._torn = not finite.all()
-            faces: Any = self.part.faces[finite[self.part.faces].all(axis=1)]
-            self.surface.regular_faces = faces if len(faces) else self.part.faces[:1] * 0
-            vertices[~finite] = 0.0
+            self.faces = self.part.faces[finite[self.part.faces].all(axis=1)]
+            self._surface.regular_faces = self.faces if len(self.faces) else 0 * self.part.faces[:1]
+            self.points[~finite] = 0.0
             normals = np.nan_to_num(normals)
-        self.surface.points = vertices
-        self.surface.point_data.active_normals = normals.astype(np.float32)
+        self._surface.points = self.points
+        self._surface.point_data.active_normals = normals.astype(np.float32)
 
     def paint(self, colors: Colors) -> None:
         """Give each vertex a colour, shape (V, 3)."""
-        self.surface["rgb"] = colors
+        self._surface.point_data.set_scalars(colors, "rgb")

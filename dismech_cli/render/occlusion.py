@@ -58,15 +58,21 @@ def darken(picture: Image, light: FloatArray, drawn: NDArray[np.bool_]) -> Image
     """
     from PIL import Image as Pillow
     from PIL import ImageChops
-    from scipy.ndimage import uniform_filter
 
     # what is empty takes no part in smoothing
-    weight = uniform_filter(drawn.astype(np.float32), 3)
-    smooth = uniform_filter(np.where(drawn, light, 0.0).astype(np.float32), 3)
-    factor = np.where(weight > 0.0, 255.0 * smooth / np.maximum(weight, 1e-6), 255.0).astype(np.uint8)
+    weight = _sums_of_nine(drawn.astype(np.float32))
+    smooth = _sums_of_nine(np.where(drawn, light, 0.0).astype(np.float32))
+    factor = np.where(weight > 0.0, 255.0 * smooth / np.maximum(weight, 1.0), 255.0).astype(np.uint8)
     rows, columns = picture.shape[:2]
     fine = Pillow.fromarray(factor).resize((columns, rows), Pillow.Resampling.BILINEAR)
     # opacity stays
     factors = Pillow.merge("CMYK", (fine, fine, fine, Pillow.new("L", fine.size, 255)))
     colors = Pillow.frombuffer("CMYK", fine.size, picture.tobytes(), "raw", "CMYK", 0, 1)
     return np.asarray(ImageChops.multiply(colors, factors))
+
+
+def _sums_of_nine(values: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Each pixel and its neighbours; those beyond the rim are as on it."""
+    wide = np.pad(values, 1, mode="edge")
+    rows = wide[:-2] + wide[1:-1] + wide[2:]
+    return np.asarray(rows[:, :-2] + rows[:, 1:-1] + rows[:, 2:])

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import functools
+from collections.abc import Callable
+from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
@@ -14,8 +16,12 @@ from .settings import Image, Settings
 from .timeline import Shot
 
 if TYPE_CHECKING:
+    from PIL import Image as Pillow
     from PIL.ImageDraw import ImageDraw
     from PIL.ImageFont import FreeTypeFont
+
+Box: TypeAlias = tuple[int, int, int, int]
+"""Left, top, right and bottom [pixel]."""
 
 _PREFIXES = ((1e3, "km"), (1.0, "m"), (1e-3, "mm"), (1e-6, "µm"), (1e-9, "nm"))
 _SMALLEST_TEXT = 10  # pixel, below which nobody can read it
@@ -33,19 +39,26 @@ class Labels:
             pixel: Width of a pixel [m], or None where it is not the same everywhere.
             scale: The colours of a field, or None.
         """
-        from PIL import Image as Pillow
-        from PIL import ImageDraw
-
         self._ink = INK[settings.background]
         self._height = max(settings.size[1] * _TEXT * settings.text, _SMALLEST_TEXT)
         self._none = settings.text == 0.0
         self._margin = 0.9 * self._height
-        self._still = Pillow.new("RGBA", settings.size, (*self._ink, 0))
-        pen = ImageDraw.Draw(self._still)
+        self._pieces: list[tuple[Box, Pillow.Image]] = []
         if not self._none and pixel is not None:
-            self._length_scale(pen, settings, pixel)
+            self._keep(settings, lambda pen: self._length_scale(pen, settings, pixel))
         if not self._none and scale is not None:
-            self._color_bar(pen, scale, settings.size[1])
+            self._keep(settings, lambda pen: self._color_bar(pen, scale, settings.size[1]))
+
+    def _keep(self, settings: Settings, drawn: Callable[[ImageDraw], None]) -> None:
+        """Keep the part of an empty picture that something was drawn on."""
+        from PIL import Image as Pillow
+        from PIL import ImageDraw
+
+        canvas = Pillow.new("RGBA", settings.size, (*self._ink, 0))
+        drawn(ImageDraw.Draw(canvas))
+        box = canvas.getchannel("A").getbbox()
+        if box is not None:
+            self._pieces.append((box, canvas.crop(box)))
 
     def write(self, image: Image, shot: Shot, decimals: int) -> Image:
         """The picture with its labels.
@@ -60,17 +73,25 @@ class Labels:
 
         if self._none:
             return image
-        picture = Pillow.fromarray(image)
-        if picture.mode == "RGBA":
-            picture = Pillow.alpha_composite(picture, self._still)
-        else:
-            picture.paste(self._still, mask=self._still.getchannel("A"))
-        pen = ImageDraw.Draw(picture)
+        written = image.copy()
+        for box, piece in self._pieces:
+            place = _place(box)
+            below = Pillow.fromarray(written[place])
+            if below.mode == "RGBA":
+                below = Pillow.alpha_composite(below, piece)
+            else:
+                below.paste(piece, mask=piece.getchannel("A"))
+            written[place] = np.asarray(below)
         foot = image.shape[0] - self._margin
         speed = "" if shot.speed == 1.0 else f"   (speed {shot.speed:.4g})"
         text = f"t = {shot.t:.{decimals}f} s{speed}"
-        pen.text((self._margin, foot), text, self._ink, font(self._height), anchor="ls")
-        return np.asarray(picture)
+        # only the strip of the text is taken out of the picture
+        top = max(int(foot - 2.0 * self._height), 0)
+        strip = Pillow.fromarray(written[top:])
+        at = (self._margin, foot - top)
+        ImageDraw.Draw(strip).text(at, text, self._ink, font(self._height), anchor="ls")
+        written[top:] = np.asarray(strip)
+        return written
 
     def _length_scale(self, pen: ImageDraw, settings: Settings, pixel: float) -> None:
         height, foot = self._height, settings.size[1] - self._margin
@@ -117,6 +138,12 @@ class Labels:
             pen.text(below, ", ".join(beyond), self._ink, small, anchor="ls")
 
 
+def _place(box: Box) -> tuple[slice, slice]:
+    """Rows and columns of left, top, right and bottom."""
+    left, top, right, bottom = box
+    return slice(top, bottom), slice(left, right)
+
+
 def _with_power(label: str, power: int) -> str:
     """The power of ten before the unit, if there is one."""
     name, bracket, unit = label.partition(" [")
@@ -136,8 +163,12 @@ def font(height: float) -> FreeTypeFont:
 
 @functools.cache
 def _font(size: int) -> FreeTypeFont:
-    # Matplotlib ships this font, so that pictures look the same on every machine.
-    from matplotlib import get_data_path
+    # Matplotlib ships this font, so that pictures look the same on every machine; importing it takes longer
+    # than ten pictures.
     from PIL import ImageFont
 
-    return ImageFont.truetype(Path(get_data_path()) / "fonts" / "ttf" / "DejaVuSans.ttf", size)
+    library = find_spec("matplotlib")
+    assert library is not None
+    assert library.origin is not None
+    fonts = Path(library.origin).parent / "mpl-data" / "fonts" / "ttf"
+    return ImageFont.truetype(fonts / "DejaVuSans.ttf", size)

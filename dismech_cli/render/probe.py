@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import subprocess
 from importlib.util import find_spec
-from typing import Any, Literal
+from typing import Literal
 
 from ..errors import RenderError
 from . import child
@@ -28,7 +28,7 @@ def find_renderer() -> RendererName:
     Raises:
         RenderError: If none does; the message names the packages to install.
     """
-    reason = _try_pyvista()
+    reason = _try_vtk()
     if reason is None:
         return "pyvista"
     if find_spec("matplotlib") is not None:
@@ -36,7 +36,7 @@ def find_renderer() -> RendererName:
     raise RenderError(_ADVICE.format(reason=reason))
 
 
-def _try_pyvista() -> str | None:
+def _try_vtk() -> str | None:
     """None if a picture came out, else what happened instead."""
     try:
         done = subprocess.run(
@@ -51,21 +51,28 @@ def _try_pyvista() -> str | None:
     return None if done.returncode == 0 else f"VTK ended with {child.describe_exit(done.returncode)}"
 
 
-def draw_ball() -> None:
-    """Draw a dark ball on white, off-screen.
+def draw_triangle() -> None:
+    """Draw a dark triangle on white, off-screen.
 
     Raises:
         RuntimeError: If the picture stays white.
     """
-    import pyvista as pv
+    import numpy as np
 
-    plotter: Any = pv.Plotter(off_screen=True, window_size=[64, 64])
-    plotter.set_background("white")
-    plotter.add_mesh(pv.Sphere(), color="black")
-    image = plotter.screenshot(None, return_img=True)
-    if image is None or not image.min() < 128 < image.max():
+    from .polydata import make_actor, surface
+    from .window import Window
+
+    window = Window((64, 64), (255, 255, 255), oversampling=1)
+    points = np.array([[-0.5, -0.5, 0.0], [0.5, -0.5, 0.0], [0.0, 0.5, 0.0]], dtype=np.float32)
+    triangle = make_actor(surface(points, np.array([[0, 1, 2]])))
+    triangle.prop.color = "black"
+    window.renderer.AddActor(triangle)
+    window.aim(np.eye(3), np.zeros(3), 1.0, 4.0, 2.0)
+    image, _ = window.shoot()
+    window.close()
+    if not image[..., :3].min() < 128 < image[..., :3].max():
         raise RuntimeError("the picture is empty")
 
 
 if __name__ == "__main__":
-    draw_ball()
+    draw_triangle()

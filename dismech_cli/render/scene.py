@@ -17,7 +17,9 @@ from .joint_marks import joint_marks
 from .obstacle_parts import obstacle_parts
 from .occlusion import darken, openness
 from .parts import Part, make_bodies, make_parts
+from .polydata import lines, make_lines
 from .settings import Image, Settings
+from .shading import add_lights, fade
 from .timeline import Shot
 from .trails import Trails
 from .window import Window
@@ -25,8 +27,6 @@ from .window import Window
 _SIDES, _ROUND = 24, 48  # of a rod, of an obstacle
 _EDGE_ON = 0.05  # a floor seen from its side is a line
 _FAINT = 0.2  # share of the ink in a line of the grid
-# Light alone would make a pale shape dark on one side.
-_FADED = {"ambient": 0.78, "diffuse": 0.24, "specular": 0.0}
 _STRIDE = 2  # pixels of the picture for one of the grid of occlusion
 _BALL = 0.035  # of the height of the picture: radius of the ball that is looked at in corners
 
@@ -52,8 +52,8 @@ class Scene:
         self._paper = np.array(PAPER[settings.background], dtype=np.uint8)
         self._blank = _blank(settings)
         self._window = Window(settings.size, PAPER[settings.background])
-        plotter = self._window.plotter
-        _add_lights(plotter)
+        renderer = self._window.renderer
+        add_lights(renderer)
         least = framing.least_radius(settings.size)
         if settings.ground == "grid" or (settings.ground == "floor" and abs(framing.basis[2, 2]) < _EDGE_ON):
             self._add_grid()
@@ -65,8 +65,8 @@ class Scene:
         self._trails = None
         if settings.trails:
             ink = INK[settings.background]
-            self._trails = Trails(settings.size[1], ink, self._origin, plotter)
-        self._floor = Floor(framing, self._origin, plotter) if settings.ground == "floor" else None
+            self._trails = Trails(settings.size[1], ink, self._origin, renderer)
+        self._floor = Floor(framing, self._origin, renderer) if settings.ground == "floor" else None
 
     def set(self, shot: Shot) -> None:
         """Move everything."""
@@ -101,37 +101,35 @@ class Scene:
             self._floor.close()
         self._window.close()
 
-    def _actor(self, part: Part) -> PartActor:
-        settings = self._stage.settings
-        actor = PartActor(part, self._origin, smooth=settings.smooth, mesh=settings.mesh)
-        actor.add_to(self._window.plotter)
+    def _actor(self, part: Part, *, mesh: bool = True) -> PartActor:
+        settings, parallel = self._stage.settings, not self._stage.framing.angle
+        shown = mesh and settings.mesh
+        actor = PartActor(part, self._origin, smooth=settings.smooth, mesh=shown, parallel=parallel)
+        self._window.renderer.AddActor(actor.actor)
         return actor
 
     def _ghost(self, shot: Shot, parts: list[Part]) -> list[Any]:
         """An earlier shape, nearly in the colour of the background; it moves no more."""
         stage, shown = self._stage, []
         for part in parts:
-            actor = PartActor(part, self._origin, smooth=stage.settings.smooth, mesh=False)
-            shown.append(actor.add_to(self._window.plotter))
-            for name, value in _FADED.items():
-                setattr(shown[-1].prop, name, value)
+            actor = self._actor(part, mesh=False)
+            shown.append(actor.actor)
+            fade(actor.actor)
             # where the shape of now is at the same place, it is seen
-            shown[-1].mapper.SetResolveCoincidentTopologyToPolygonOffset()
-            shown[-1].mapper.SetRelativeCoincidentTopologyPolygonOffsetParameters(4.0, 4.0)
+            mapper = actor.actor.GetMapper()
+            mapper.SetResolveCoincidentTopologyToPolygonOffset()
+            mapper.SetRelativeCoincidentTopologyPolygonOffsetParameters(4.0, 4.0)
             actor.move(shot.t, shot.between(stage.run.positions))
             actor.paint(paled(stage.painter.colors(part, shot), stage.settings.background))
         return shown
 
     def _add_grid(self) -> None:
-        import pyvista as pv
-
         background = self._stage.settings.background
         ink, paper = np.array(INK[background]), np.array(PAPER[background])
-        lines: Any = pv.line_segments_from_points(
-            (grid_lines(self._stage.framing) - self._origin).reshape(-1, 3)
-        )
-        color = (_FAINT * ink + (1.0 - _FAINT) * paper) / 255
-        self._window.plotter.add_mesh(lines, color=color.tolist(), line_width=2.0, lighting=False)
+        points = (grid_lines(self._stage.framing) - self._origin).reshape(-1, 3).astype(np.float32)
+        red, green, blue = (_FAINT * ink + (1.0 - _FAINT) * paper).tolist()
+        ends = np.arange(len(points)).reshape(-1, 2)
+        self._window.renderer.AddActor(make_lines(lines(points, ends), (red, green, blue), 2.0))
 
     def _shade(self, part: Image, where: tuple[slice, slice]) -> Image:
         """Less light in corners."""
@@ -140,19 +138,6 @@ class Scene:
         radius, pixel = max(2, round(_BALL * size[1] / _STRIDE)), _STRIDE * framing.pixel(size)
         light = openness(depths, radius, pixel)
         return darken(part, light, np.isfinite(depths))
-
-
-def _add_lights(plotter: Any) -> None:
-    """Key and fill light that turn with the camera, so that every view is lit alike."""
-    import pyvista as pv
-
-    for position, intensity, color in (
-        ((-0.7, 1.1, 1.3), 0.88, "#fffaf2"),
-        ((1.2, -0.1, 0.9), 0.38, "#e2ebff"),
-    ):
-        plotter.add_light(
-            pv.Light(position=position, intensity=intensity, color=color, light_type="camera light")
-        )
 
 
 def _blank(settings: Settings) -> Image:

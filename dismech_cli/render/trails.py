@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from ..arrays import FloatArray, IntArray
+from ..arrays import FloatArray
+from .polydata import chain_cells, lines, make_lines
 from .settings import Rgb
 from .window import OVERSAMPLING
 
@@ -14,33 +15,24 @@ WIDTH = 1 / 360  # of the height of the picture
 
 
 class Trails:
-    """One line for each node, on the stage of VTK."""
+    """One line for each node, on the stage of pyvista."""
 
-    def __init__(self, height: int, color: Rgb, origin: FloatArray, plotter: Any) -> None:
+    def __init__(self, height: int, color: Rgb, origin: FloatArray, renderer: Any) -> None:
         """Draw nothing yet.
 
         Args:
             height: Of the picture [pixel].
             color: Of the lines.
             origin: What positions on the stage are relative to [m].
-            plotter: The stage.
+            renderer: The stage.
         """
-        import pyvista as pv
-
         self._origin = origin
-        self._lines: Any = pv.PolyData(np.zeros((2, 3), dtype=np.float32), lines=[2, 0, 1])
+        self._lines: Any = lines(np.zeros((2, 3), dtype=np.float32), np.array([[0, 1]]))
         width = max(2.0, OVERSAMPLING * height * WIDTH)
-        plotter.add_mesh(self._lines, color=[c / 255 for c in color], line_width=width, lighting=False)
+        renderer.AddActor(make_lines(self._lines, color, width))
 
     def draw(self, paths: FloatArray) -> None:
         """Show the paths [m], shape (K, points, 3)."""
-        import pyvista as pv
-
-        points = (paths - self._origin).reshape(-1, 3).astype(np.float32)
-        self._lines.copy_from(pv.PolyData(points, lines=_lines(*paths.shape[:2])))
-
-
-def _lines(count: int, length: int) -> IntArray:
-    """Lines as VTK lists them: the number of points, then the points."""
-    numbers = np.arange(count * length).reshape(count, length)
-    return np.column_stack((np.full(count, length), numbers)).reshape(-1)
+        self._lines.points = (paths - self._origin).reshape(-1, 3).astype(np.float32)
+        count, length = paths.shape[:2]
+        self._lines.lines = chain_cells(np.arange(count * length).reshape(count, length))

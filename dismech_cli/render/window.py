@@ -1,4 +1,4 @@
-"""A window of VTK that nobody sees, and what is read from it."""
+"""A stage of pyvista that nobody sees, and what is read from it."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import FloatArray
-from .settings import Rgb
+from .settings import Image, Rgb
 
 # Drawing at twice the size and averaging smooths edges with four samples for each pixel; in software
 # rendering this takes half the time of VTK's own SSAA and FXAA passes, and of its multisampling.
@@ -20,7 +20,7 @@ class Window:
     """Colours, opacities and depths of a scene.
 
     Attributes:
-        plotter: The stage.
+        renderer: The stage.
     """
 
     def __init__(self, size: tuple[int, int], paper: Rgb, oversampling: int = OVERSAMPLING) -> None:
@@ -36,16 +36,18 @@ class Window:
 
         self._width, self._height = (oversampling * n for n in size)
         self._oversampling = oversampling
-        self._paper = np.array(paper, dtype=np.uint8)
         plotter: Any = pv.Plotter(off_screen=True, window_size=[self._width, self._height], lighting="none")
-        self.plotter: Any = plotter
-        window: Any = self.plotter.render_window
-        window.SetMultiSamples(0)
-        window.SetAlphaBitPlanes(1)
-        self.plotter.set_background([channel / 255 for channel in paper])
-        self.plotter.renderer.SetBackgroundAlpha(0.0)
+        self._plotter = plotter
+        self.renderer: Any = plotter.renderer
+        self.renderer.SetBackground(*(channel / 255 for channel in paper))
+        self.renderer.SetBackgroundAlpha(0.0)
         # At most one thing is translucent: passes that sort several would take longer than the picture.
-        self.plotter.renderer.SetUseOIT(False)
+        self.renderer.SetUseOIT(False)
+        self._window: Any = plotter.render_window
+        self._window.SetMultiSamples(0)
+        self._window.SetAlphaBitPlanes(1)
+        # Nobody looks at the window: pictures are read where they are drawn.
+        self._window.SwapBuffersOff()
         self._colors, self._depths = vtkUnsignedCharArray(), vtkFloatArray()
 
     def aim(
@@ -67,7 +69,7 @@ class Window:
             reach: What is drawn lies nearer than this to the plane through the middle.
             angle: Height of the field of view [rad]; 0 is a parallel projection.
         """
-        camera = self.plotter.camera
+        camera = self._plotter.camera
         camera.focal_point = tuple(center)
         camera.position = tuple(center + distance * basis[2])
         camera.up = tuple(basis[1])
@@ -78,39 +80,29 @@ class Window:
             camera.parallel_scale = half_height
         camera.clipping_range = (max(distance - reach, 1e-3 * distance), distance + reach)
 
-    def shoot(self) -> tuple[NDArray[np.uint8], tuple[slice, slice]]:
+    def shoot(self) -> tuple[Image, tuple[slice, slice]]:
         """Draw.
 
         Returns:
             Colours and opacity of a part of the picture, shape (rows, columns, 4), and where it is: the
             rest is empty. Colours are those on the paper, wherever it shows through.
         """
-        from PIL import Image
+        import pyvista as pv
+        from PIL import Image as Pillow
 
-        window = self.plotter.render_window
-        window.Render()
-        window.GetRGBACharPixelData(0, 0, self._width - 1, self._height - 1, 1, self._colors, 0)
+        self._window.Render()
+        back = 0
+        self._window.GetRGBACharPixelData(0, 0, self._width - 1, self._height - 1, back, self._colors, 0)
         # rows come from the foot of the picture
-        whole = _numbers(self._colors).reshape(self._height, self._width, 4)
-        rows, columns = (self._filled(whole, axis) for axis in (0, 1))
-        part = np.ascontiguousarray(whole[rows, columns])
+        whole = pv.convert_array(self._colors).reshape(self._height, self._width, 4)
+        rows, columns = _filled(whole)
+        size = (columns.stop - columns.start, rows.stop - rows.start)
+        below = whole.reshape(-1)[4 * (rows.start * self._width + columns.start) :]
         # as CMYK, Pillow averages four channels without a thought for what they mean
-        small = Image.frombuffer("CMYK", (part.shape[1], part.shape[0]), part.tobytes(), "raw", "CMYK", 0, 1)
-        if self._oversampling > 1:
-            small = small.reduce(self._oversampling)
+        part = Pillow.frombuffer("CMYK", size, below, "raw", "CMYK", 4 * self._width, -1)
         height, k = self._height // self._oversampling, self._oversampling
         place = slice(height - rows.stop // k, height - rows.start // k)
-        return np.asarray(small)[::-1], (place, slice(columns.start // k, columns.stop // k))
-
-    def _filled(self, whole: NDArray[np.uint8], axis: int) -> slice:
-        """Rows or columns that are not empty, in whole pixels of the picture."""
-        # what is drawn is wider than the pixels that are passed over
-        filled = np.flatnonzero(whole[::2, ::2, 3].any(axis=1 - axis))
-        if not len(filled):
-            return slice(0, _COARSE)
-        low, high = 2 * int(filled[0]) - 2, 2 * int(filled[-1]) + 3
-        last = whole.shape[axis]
-        return slice(max(low, 0) // _COARSE * _COARSE, min(-(-high // _COARSE) * _COARSE, last))
+        return np.asarray(part.reduce(k)), (place, slice(columns.start // k, columns.stop // k))
 
     def depths(self, where: tuple[slice, slice], stride: int) -> FloatArray:
         """Distances from the plane of the eye in a part of the picture, infinite where nothing is drawn.
@@ -119,12 +111,16 @@ class Window:
             where: As :meth:`shoot` returns it.
             stride: Pixels of the picture for one of the result, along each side.
         """
-        window, camera = self.plotter.render_window, self.plotter.camera
+        import pyvista as pv
+
+        camera = self._plotter.camera
         k = self._oversampling
         top, foot = (self._height - k * row for row in (where[0].start, where[0].stop))
         left, right = k * where[1].start, k * where[1].stop
-        window.GetZbufferData(left, foot, right - 1, top - 1, self._depths)
-        z = _numbers(self._depths).reshape(top - foot, right - left)[::-1][:: k * stride, :: k * stride]
+        self._window.GetZbufferData(left, foot, right - 1, top - 1, self._depths)
+        z = pv.convert_array(self._depths).reshape(top - foot, right - left)[::-1][
+            :: k * stride, :: k * stride
+        ]
         near, far = camera.clipping_range
         deep = near + z * (far - near)
         if not camera.parallel_projection:
@@ -133,12 +129,22 @@ class Window:
 
     def close(self) -> None:
         """Let go of the graphics library."""
-        self.plotter.close()
+        self._plotter.close()
 
 
-def _numbers(array: Any) -> Any:
-    """An array of VTK as one of NumPy."""
-    from vtkmodules.util import numpy_support
+def _filled(whole: Image) -> tuple[slice, slice]:
+    """Rows and columns that are not empty, in whole pixels of the picture."""
+    # Four channels as one number; what is drawn is wider than the rows that are passed over.
+    opaque = np.array([0, 0, 0, 255], dtype=np.uint8).view(np.uint32)
+    pixels = whole.view(np.uint32)[..., 0]
+    rows = _between(np.bitwise_or.reduce(pixels[::2], axis=1) & opaque, 2, whole.shape[0])
+    return rows, _between(np.bitwise_or.reduce(pixels[rows], axis=0) & opaque, 1, whole.shape[1])
 
-    module: Any = numpy_support
-    return module.vtk_to_numpy(array)
+
+def _between(opacity: NDArray[np.uint32], stride: int, last: int) -> slice:
+    """From the first to the last that is opaque, of every ``stride``-th of ``last``, and a little more."""
+    filled = np.flatnonzero(opacity)
+    if not len(filled):
+        return slice(0, _COARSE)
+    low, high = stride * int(filled[0]) - 2, stride * int(filled[-1]) + 3
+    return slice(max(low, 0) // _COARSE * _COARSE, min(-(-high // _COARSE) * _COARSE, last))

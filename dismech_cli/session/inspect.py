@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Final
 
 import numpy as np
 
@@ -27,6 +28,8 @@ from .duration import iteration_time, seconds
 from .joints import JointLine, joint_lines
 from .loops import look_at_loops, nominal_step
 from .modes import Modes, find_modes
+
+_SHOWN: Final = 20  # bodies, and joints, that are listed where a person reads
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -134,9 +137,9 @@ class Finding:
             [
                 f"{self.path}: ok",
                 *(f"  parameter {name} = {one.amount}" for name, one in self.parameters.items()),
-                *(f"  {body}" for body in self.bodies),
+                *_first(self.bodies, "bodies"),
                 *(f"  {note}" for note in self.notes),
-                *(f"  {joint}" for joint in self.joints),
+                *_first(self.joints, "joints"),
                 *(f"  {d.what}\n    because: {d.why}" for d in self.decisions),
                 *(f"  {loop}" for loop in self.loops),
                 f"  {c.free} free of {c.dofs} DOFs, {c.entries} matrix entries, {c.solver} solver",
@@ -146,6 +149,13 @@ class Finding:
                 f"  about {_duration(c.seconds)}, {_bytes(c.memory)} of memory, {_bytes(c.disk)} on disk",
             ]
         )
+
+
+def _first(items: Sequence[object], kind: str) -> Iterator[str]:
+    """A line for each item, as long as they are few enough to be read."""
+    yield from (f"  {item}" for item in items[:_SHOWN])
+    if len(items) > _SHOWN:
+        yield f"  and {len(items) - _SHOWN} more {kind}: all are listed by --json"
 
 
 def inspect(

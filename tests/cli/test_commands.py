@@ -51,6 +51,24 @@ def test_check_of_several_tells_all_and_fails_if_one_is_bad(call, swing):
     assert "bad.yaml:5" in done.stderr
 
 
+def test_check_of_many_bodies_is_short_enough_to_read(call, tmp_path):
+    (tmp_path / "many.yaml").write_text(
+        "schema_version: 1\nname: many\njoints: auto\n"
+        "materials: {m: {youngs_modulus: 1 MPa, poisson_ratio: 0.5, density: 1100}}\n"
+        "geometry: [{type: rod, name: part_$i, material: m, radius: 1 mm,\n"
+        "            repeat: {count: 30, translate: [0.1, 0, 0]},\n"
+        "            generate: {shape: line, from: [0, 0, 0], to: [0.1, 0, 0], nodes: 3}}]\n"
+        "motions: [{type: clamp, where: part_0.start}]\nnumerics: {integrator: {type: static}}\n"
+    )
+    told = call("check", tmp_path / "many.yaml").stdout
+    assert "  part_19: 2 edges" in told
+    assert "  part_20: " not in told
+    assert "and 10 more bodies: all are listed by --json" in told
+    assert "and 9 more joints: all are listed by --json" in told
+    (found,) = json.loads(call("check", tmp_path / "many.yaml", "--json").stdout)
+    assert (len(found["bodies"]), len(found["joints"])) == (30, 29)
+
+
 def test_check_warns_of_what_is_implausible(call, swing):
     done = call("check", "swing.yaml", "--set", "materials.silicone.youngs_modulus=2")
     assert done.code == 0

@@ -32,7 +32,19 @@ COMMANDS = (
     "schema",
     "doctor",
 )
-HEAVY = ("numpy", "scipy", "h5py", "pyvista", "vtk", "pydantic", "meshio", "matplotlib", "imageio", "numba")
+HEAVY = (
+    "numpy",
+    "scipy",
+    "h5py",
+    "pyvista",
+    "vtk",
+    "vtkmodules",
+    "pydantic",
+    "meshio",
+    "matplotlib",
+    "imageio",
+    "numba",
+)
 
 LOOK = """
 import json, sys

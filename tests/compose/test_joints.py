@@ -227,6 +227,12 @@ def test_auto_hinges_by_pair_and_tolerance(tmp_path: Path) -> None:
     )
 
 
+def test_auto_needs_two_bodies(tmp_path: Path) -> None:
+    deck = three({"type": "auto"})
+    deck["geometry"], deck["motions"] = deck["geometry"][:1], deck["motions"][:1]
+    assert "joints[0]: joins nothing: the scene has one body" in refused(tmp_path, deck)
+
+
 def test_auto_leaves_named_nodes_alone(tmp_path: Path) -> None:
     deck = three(pair("hinge", "a", "b"), {"type": "auto"})
     # b and c would weld; b is named
