@@ -15,8 +15,8 @@ from ..mesh.topology.sides import half_edges
 from ..model.model import Model
 from ..model.state import State
 from ..scenario.language.imperfection import Imperfection
-from ..solve.integrators import at_state
 from ..solve.linear.modes import softest_modes
+from ..solve.stage import at_state
 from ..solve.system import System
 from .bodies.geometry import Geometry
 from .scene import Scene

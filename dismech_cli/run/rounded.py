@@ -16,7 +16,7 @@ import numpy as np
 from ..arrays import FloatArray
 from ..model.configuration import Configuration
 from ..model.state import State
-from ..solve.integrators import at_state
+from ..solve.stage import at_state
 from ..solve.system import System
 
 # Part of the way over which a slope is taken, and the share of that at the start which may be left at the

@@ -9,8 +9,8 @@ from typing import Final
 from ..compose.price import Work
 from ..kinematics.motion import held_dofs
 from ..run.simulation import Simulation
-from ..solve.integrators import at_state
 from ..solve.linear.factors import FactorizationError
+from ..solve.stage import at_state
 from ..solve.system import System
 
 # Calibrated on the gallery, `python -m benchmarks check_times`: products, checks and searches of an iteration

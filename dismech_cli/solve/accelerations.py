@@ -10,10 +10,11 @@ import numpy as np
 from ..arrays import FloatArray
 from ..kinematics.motion import Since
 from ..model.state import State
-from .integrators import ImplicitEuler, at_state
+from .integrators import ImplicitEuler
 from .newton import solve_stage
 from .predictor import Predictor
 from .problem import NewtonSettings, StageProblem
+from .stage import at_state
 from .status import Status
 from .system import System
 

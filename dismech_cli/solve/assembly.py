@@ -14,9 +14,9 @@ from ..kernels.linearization import Linearization, RankOne, all_symmetric
 from ..model.configuration import Configuration
 from ..model.model import Model
 from ..model.term import BoundTerm
-from .integrators import Stage, Weights
 from .overlay import Adding, Overlay
 from .pattern import SparsityPattern
+from .stage import Stage, Weights
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,9 +18,9 @@ from ..arrays import FloatArray
 from ..kinematics.motion import Since, prescribe
 from ..model.model import Model
 from ..model.state import State
-from .integrators import Stage
 from .linear.factors import FactorizationError
 from .problem import ExhaustedError, StageProblem
+from .stage import Stage
 from .system import System
 
 # Name in the memory of a state: which share of the lead would have made the last guess best.

@@ -11,10 +11,10 @@ from typing import TypeAlias
 from ..arrays import FloatArray, IntArray
 from ..kinematics.rod_frames import FrameState
 from .assembly import Linearized
-from .integrators import Stage
 from .kept import Kept
 from .linear.factors import Factors
 from .linear.updated import UpdatedFactors
+from .stage import Stage
 from .system import System
 from .woven import Solved
 

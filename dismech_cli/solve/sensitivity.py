@@ -29,9 +29,10 @@ from ..model.configuration import Configuration
 from ..model.model import Model
 from ..model.state import State
 from .commanded import Acting, Commanded, nothing_acts
-from .integrators import Integrator, at_state
+from .integrators import Integrator
 from .neighbours import Here, Neighbours, ParameterSlope, Variation
 from .slopes import Balance, Slope, Slopes
+from .stage import at_state
 from .tape import SolvedStage, TapedStep
 
 NOWHERE: Final[IntArray] = np.empty(0, dtype=np.int64)

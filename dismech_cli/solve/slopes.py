@@ -18,11 +18,11 @@ from ..kinematics.turning import Holonomy
 from ..model.configuration import Configuration
 from ..model.model import Model
 from .carried import Carried
-from .integrators import Weights
 from .linear.choice import LINEAR_SOLVERS, choose_solver
 from .linear.factors import Factors
 from .linear.updated import UpdatedFactors
 from .pattern import SparsityPattern
+from .stage import Weights
 
 
 class Entries:

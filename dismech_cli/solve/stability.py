@@ -6,10 +6,10 @@ import numpy as np
 
 from ..arrays import FloatArray
 from ..model.state import State
-from .integrators import at_state
 from .linear.factors import FactorizationError
 from .linear.stability import CountNegative, negative_eigenvalues_on
 from .pattern import SparsityPattern
+from .stage import at_state
 from .system import System
 
 

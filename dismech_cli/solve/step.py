@@ -14,7 +14,7 @@ from ..kinematics.rod_frames import FrameState
 from ..model.model import Model
 from ..model.state import State
 from .accelerations import LENGTH, balanced, rescaled, rubbed
-from .integrators import Integrator, Stage, mean_acceleration
+from .integrators import Integrator
 from .kept import Kept
 from .newton import solve_stage
 from .predictor import Predictor
@@ -22,6 +22,7 @@ from .problem import NewtonSettings, StageProblem
 from .result import NewtonResult
 from .second_guess import SLOW, confirmed
 from .stability import Stability
+from .stage import Stage, mean_acceleration
 from .status import Status
 from .system import System
 

@@ -19,12 +19,12 @@ from ..model.state import State
 from ..model.term import BoundChanging, BoundEnergy, BoundTerm, Memory
 from ..model.touch import Touch
 from .assembly import Assembly, Linearized, Terms
-from .integrators import Stage
 from .linear.banded import BandedSolver
 from .linear.choice import LINEAR_SOLVERS, choose_solver
 from .linear.factors import LinearSolver
 from .overlay import Overlay, convexly, exactly
 from .pattern import Outline, Sized, SparsityPattern
+from .stage import Stage
 from .trials import Trials, at, trial
 from .weaving import obstacle, weaving
 from .woven import Woven, weave

@@ -9,9 +9,10 @@ from typing import Final
 from ..arrays import FloatArray
 from ..kinematics.rod_frames import FrameState
 from ..model.state import State
-from .integrators import Integrator, Stage
+from .integrators import Integrator
 from .problem import NewtonSettings
 from .relax import relaxed
+from .stage import Stage
 from .status import Status
 from .step import Advance, Stepper, StepResult, through_stages
 

@@ -12,7 +12,7 @@ from ..kinematics.rod_frames import FrameState
 from ..model.configuration import Configuration
 from ..model.model import Model
 from ..model.state import State
-from .integrators import Stage
+from .stage import Stage
 
 # The start of a step, an iterate and the next one.
 _KEPT: Final = 3

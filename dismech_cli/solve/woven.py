@@ -20,9 +20,9 @@ from ..kinematics.rod_frames import EdgeTables, FrameState, TrialFrames
 from ..model.configuration import Configuration
 from ..model.model import Model
 from ..model.term import BoundTerm
-from .integrators import Stage
 from .linear import band_loops
 from .pattern import SparsityPattern
+from .stage import Stage
 from .weaving import Parts, Weaving, weaving
 
 _EPS: Final = float(np.finfo(np.float64).eps)

@@ -14,7 +14,8 @@ from dismech_cli.compose.compose import compose
 from dismech_cli.model.state import State
 from dismech_cli.run.loop import End, Limits, run
 from dismech_cli.session.sinks import Memory
-from dismech_cli.solve.integrators import ImplicitEuler, Stage
+from dismech_cli.solve.integrators import ImplicitEuler
+from dismech_cli.solve.stage import Stage
 
 DECK = """
 schema_version: 1

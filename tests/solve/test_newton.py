@@ -34,7 +34,7 @@ from dismech_cli.kinematics.rod_frames import FrameState
 from dismech_cli.laws.laws import Constant, Table
 from dismech_cli.model.model import Model
 from dismech_cli.sections.rods import RodProperties, rod_properties, round_section
-from dismech_cli.solve.integrators import GeneralizedAlpha, ImplicitEuler, Stage, Static
+from dismech_cli.solve.integrators import GeneralizedAlpha, ImplicitEuler, Static
 from dismech_cli.solve.linear import pardiso
 from dismech_cli.solve.linear.banded import BandedSolver
 from dismech_cli.solve.linear.factors import Factors, LinearSolver
@@ -43,6 +43,7 @@ from dismech_cli.solve.newton import solve_stage
 from dismech_cli.solve.pattern import SparsityPattern
 from dismech_cli.solve.problem import NewtonSettings, StageProblem
 from dismech_cli.solve.result import NewtonResult
+from dismech_cli.solve.stage import Stage
 from dismech_cli.solve.status import Status
 from dismech_cli.solve.step import Stepper
 from dismech_cli.solve.system import System

@@ -12,7 +12,7 @@ import dismech_cli
 from dismech_cli.arrays import FloatArray
 from dismech_cli.compose.compose import compose
 from dismech_cli.kinematics.rod_frames import FrameState
-from dismech_cli.solve.integrators import Stage
+from dismech_cli.solve.stage import Stage
 from dismech_cli.solve.step import Stepper
 
 DECK = """
