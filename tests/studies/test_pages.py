@@ -139,6 +139,7 @@ def test_the_page_of_the_largest_study_is_small():
         rows=tuple(rows),
         found=(),
         count=len(rows),
+        finer="--over KEY=FROM:LEVELS",
         missing=(),
         reference="levels",
         load=1.0,

@@ -70,6 +70,13 @@ class Space:
         """What a point sets."""
         return (*self.methods[method], *self.time.settings(time), *self.mesh.settings(mesh))
 
+    @property
+    def finer(self) -> str:
+        """The option that adds levels, ready to type where the step alone is refined."""
+        if len(self.methods) > 1 or len(self.time.keys) != 1 or len(self.mesh) > 1 or self.time.ratio != 2.0:
+            return "--over KEY=FROM:LEVELS"
+        return f"--over '{self.time.keys[0]}={self.time.texts[0][0]}:{len(self.time) + 2}'"
+
     def time_order(self, integrator_order: int) -> float:
         """Order in the time levels that is to be expected."""
         return _RTOL_ORDER if "numerics.step.rtol" in self.time.keys else float(max(integrator_order, 1))

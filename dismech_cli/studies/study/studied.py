@@ -40,6 +40,7 @@ class Studied:
         rows: All runs, the cheapest first.
         found: What each alternative came to that was worth it, the answer first.
         count: How many combinations there are.
+        finer: The option that adds levels.
         missing: What was not refined, whose error comes on top: ``steps``, ``mesh``.
         reference: From what errors are measured.
         load: Mean number of busy cores of the machine as it ended; None if unknown.
@@ -52,6 +53,7 @@ class Studied:
     rows: tuple[Row, ...]
     found: tuple[Found, ...]
     count: int
+    finer: str
     missing: tuple[str, ...]
     reference: str
     load: float | None
@@ -66,7 +68,9 @@ class Studied:
         """The outcome in a line or two."""
         if self.answer is None:
             why = self.found[0].reason if self.found else "no alternative is stable on these levels"
-            return f"no setting with an error below {self.target:.3g}: {why}"
+            return (
+                f"no setting with an error below {self.target:.3g}: {why}; levels are added by {self.finer}"
+            )
         one = self.answer
         shares = {"steps": one.time.error, "mesh": one.mesh.error}
         told = ", ".join(

@@ -104,6 +104,7 @@ def study(request: Request, narrator: Narrator) -> Studied:
         rows=rows,
         found=tuple(found),
         count=space.count,
+        finer=space.finer,
         missing=() if yardstick.given else _missing(loaded, space),
         reference=reference,
         load=os.getloadavg()[0] if hasattr(os, "getloadavg") else None,
