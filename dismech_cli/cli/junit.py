@@ -17,7 +17,6 @@ from ..session.exit_codes import Exit
 
 if TYPE_CHECKING:
     from ..session.drawing import Finished
-    from ..session.verdicts import Verdict
     from ..studies.sweep.sweep import Swept
 
 
@@ -63,6 +62,8 @@ def write_sweep(file: Path, swept: Swept) -> None:
     Raises:
         OutputError: If the file cannot be written.
     """
+    from ..session.verdicts import Verdict
+
     suite = Element("testsuite", name=swept.name)
     for point in swept.points:
         result = swept.results.get(point.id)

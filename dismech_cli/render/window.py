@@ -96,13 +96,13 @@ class Window:
         # rows come from the foot of the picture
         whole = pv.convert_array(self._colors).reshape(self._height, self._width, 4)
         rows, columns = _filled(whole)
-        size = (columns.stop - columns.start, rows.stop - rows.start)
-        below = whole.reshape(-1)[4 * (rows.start * self._width + columns.start) :]
+        count = rows.stop - rows.start
         # as CMYK, Pillow averages four channels without a thought for what they mean
-        part = Pillow.frombuffer("CMYK", size, below, "raw", "CMYK", 4 * self._width, -1)
+        strip = Pillow.frombuffer("CMYK", (self._width, count), whole[rows].reshape(-1), "raw", "CMYK", 0, -1)
         height, k = self._height // self._oversampling, self._oversampling
         place = slice(height - rows.stop // k, height - rows.start // k)
-        return np.asarray(part.reduce(k)), (place, slice(columns.start // k, columns.stop // k))
+        part = strip.reduce(k, (columns.start, 0, columns.stop, count))
+        return np.asarray(part), (place, slice(columns.start // k, columns.stop // k))
 
     def depths(self, where: tuple[slice, slice], stride: int) -> FloatArray:
         """Distances from the plane of the eye in a part of the picture, infinite where nothing is drawn.

@@ -69,8 +69,8 @@ def test_rest_shapes_do_not_depend_on_kernels() -> None:
 def _rows() -> list[tuple[str, str]]:
     """What `check` says and of which scene, from the table of the documentation."""
     text = (SNAKE.parents[1] / "docs" / "performance.md").read_text(encoding="utf-8")
-    lines = text.partition("### Steps that are compiled whole")[2].splitlines()
-    cells = [line.strip("| ").split(" | ") for line in lines if line.startswith("| ")][2:]
+    table = text.partition("### Steps that are compiled whole")[2].partition("\n| ")[2].partition("\n\n")[0]
+    cells = [line.strip("| ").split(" | ") for line in table.splitlines()[2:]]
     return [(said, scene.strip("`")) for _, said, scene in cells]
 
 

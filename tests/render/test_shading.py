@@ -56,3 +56,20 @@ def test_neighbours_are_summed():
     sums = _sums_of_nine(values)
     assert sums[1, 1] == values[:3, :3].sum()
     assert sums[0, 0] == 4 * 0 + 2 * 1 + 2 * 4 + 5
+
+
+def test_what_fills_the_last_corner_is_read():
+    if probe.find_renderer() != "pyvista":
+        pytest.skip("this machine has no OpenGL library")
+    window = Window((64, 64), (255, 255, 255), oversampling=2)
+    corner = np.array([[0.2, 0.2, 0.0], [3.0, 0.2, 0.0], [0.2, 3.0, 0.0]], dtype=np.float32)
+    for points in (corner, -corner):
+        actor = make_actor(surface(points, np.array([[0, 1, 2]])))
+        window.renderer.AddActor(actor)
+        window.aim(np.eye(3), np.zeros(3), 1.0, 4.0, 2.0)
+        part, (rows, columns) = window.shoot()
+        assert part.shape == (rows.stop - rows.start, columns.stop - columns.start, 4)
+        # from 0.2 of the half to the edge of a picture that is 32 pixels in the half
+        assert (part[..., 3] == 255).sum() == pytest.approx(25.6**2, rel=0.05)
+        window.renderer.RemoveActor(actor)
+    window.close()
