@@ -6,9 +6,10 @@ from functools import partial
 
 import numpy as np
 
-from ...arrays import FloatArray
+from ...arrays import FloatArray, IntArray
 from ...contact.contact import Contact, Friction, along_lines
 from ...contact.law.stiffness import Given, Rule, Tolerant
+from ...contact.nearby.exclusion import near_along
 from ...contact.obstacles.anchored_wall import AnchoredWall
 from ...contact.obstacles.walls import Wall
 from ...contact.pieces.lines import Lines
@@ -45,10 +46,11 @@ def make_contact(scene: Scene, structure: Structure) -> Contact:
     bodies = body_pairs(scene.scenario)
     rule, stiffness = _hardness(spec.law, lines)
     walls = tuple(_walls(scene, structure, lines, stiffness, wall_pairs(scene.scenario)))
-    neighbours = make_neighbours(scene, structure, lines, stiffness)
+    beside = _beside(lines, structure) if bodies else np.empty(0, dtype=np.int64)
+    neighbours = make_neighbours(scene, structure, lines, stiffness, beside)
     sides = sides_of_triangles(scene.geometry, lines)
     finding = along_lines if not isinstance(spec.law, CompatLaw) else Family(spec.law, sides)
-    faces = make_faces(scene, structure, lines, stiffness, sides, reach)
+    faces = make_faces(scene, structure, lines, stiffness, beside, sides, reach)
     return Contact(
         map=structure.dofs,
         lines=lines,
@@ -63,6 +65,11 @@ def make_contact(scene: Scene, structure: Structure) -> Contact:
         pairs=tuple(named_pairs(scene.scenario)),
         finding=finding,
     )
+
+
+def _beside(lines: Lines, structure: Structure) -> IntArray:
+    """Pairs of lines that are too near along a body to touch; see :func:`.near_along`."""
+    return near_along(lines.nodes, lines.lengths, lines.radii, structure.dofs.n_nodes)
 
 
 def _hardness(law: Law, lines: Lines) -> tuple[Rule, FloatArray]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
-from ...contact.nearby.exclusion import near_along
 from ...contact.nearby.faces import Faces
 from ...contact.nearby.surface_exclusion import with_exclusions
 from ...contact.pieces.lines import Lines
@@ -18,7 +17,13 @@ from .pairs import Tables, body_pairs
 
 
 def make_faces(
-    scene: Scene, structure: Structure, lines: Lines, stiffness: FloatArray, sides: IntArray, reach: float
+    scene: Scene,
+    structure: Structure,
+    lines: Lines,
+    stiffness: FloatArray,
+    beside: IntArray,
+    sides: IntArray,
+    reach: float,
 ) -> Faces | None:
     """Who may touch shells; None if nothing may.
 
@@ -27,6 +32,7 @@ def make_faces(
         structure: Its nodes and DOFs.
         lines: All lines.
         stiffness: Of each at factor one.
+        beside: Keys of pairs of lines that are too near along a body.
         sides: Lines that are the sides of each triangle, shape (T, 3).
         reach: Distance at which lines begin to push, as a share of that at which surfaces touch.
     """
@@ -62,8 +68,7 @@ def make_faces(
         own_reach=np.full(len(lines.nodes), np.inf),
         map=structure.dofs,
     )
-    near = near_along(lines.nodes, lines.lengths, lines.radii, structure.dofs.n_nodes)
-    line_pairs = np.stack(np.divmod(near, len(lines.nodes)), axis=1)
+    line_pairs = np.stack(np.divmod(beside, len(lines.nodes)), axis=1)
     x = structure.dofs.space_positions(structure.rest)
     return with_exclusions(found, x, line_pairs, sides)
 

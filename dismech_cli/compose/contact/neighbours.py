@@ -6,8 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...arrays import FloatArray
-from ...contact.nearby.exclusion import near_along
+from ...arrays import FloatArray, IntArray
 from ...contact.nearby.neighbours import Neighbours
 from ...contact.pieces.lines import Lines
 from ..scene import Scene
@@ -19,9 +18,17 @@ _TIGHT = 0.999
 
 
 def make_neighbours(
-    scene: Scene, structure: Structure, lines: Lines, stiffness: FloatArray
+    scene: Scene, structure: Structure, lines: Lines, stiffness: FloatArray, beside: IntArray
 ) -> Neighbours | None:
-    """Which rods may touch each other; None if none may."""
+    """Which rods may touch each other; None if none may.
+
+    Args:
+        scene: The scene.
+        structure: Its nodes and DOFs.
+        lines: All lines.
+        stiffness: Of each at factor one.
+        beside: Keys of pairs of lines that are too near along a body.
+    """
     shells = scene.geometry.shell_keys
     pairs = [
         pair for pair in body_pairs(scene.scenario) if pair.first not in shells and pair.second not in shells
@@ -38,7 +45,7 @@ def make_neighbours(
         labels=tables.labels,
         signs=tables.signs,
         friction=tables.friction,
-        excluded=near_along(lines.nodes, lines.lengths, lines.radii, structure.dofs.n_nodes),
+        excluded=beside,
         tight=nothing,
         tight_reach=np.empty(0),
         map=structure.dofs,
