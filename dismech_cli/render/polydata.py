@@ -44,7 +44,7 @@ def make_actor(data: Any) -> Any:
     import pyvista as pv
     from vtkmodules.vtkRenderingCore import vtkPolyDataMapper
 
-    # that of surfaces; pyvista's takes data of any kind, and looks into them for each picture
+    # that of surfaces: pyvista's own takes data of any kind
     mapper = vtkPolyDataMapper()
     mapper.SetInputData(data)
     actor: Any = pv.Actor()

@@ -73,6 +73,10 @@ def draw_asked(record: Record, asked: Render, narrator: Narrator) -> Finished:
     except DismechError as error:
         logged.warn(f"no pictures: {error}\n  later: dismech render {record.run_dir}")
         return Finished(record)
+    except BaseException:
+        # a signal, most of all: the run itself is done
+        logged.say(f"no pictures; later: dismech render {record.run_dir}")
+        raise
     took = time.perf_counter() - tick
     logged.say(f"rendered in {took:.3g} s")
     manifest = replace(record.manifest, seconds=added(record.manifest.seconds, {"draw": took}))

@@ -13,11 +13,15 @@ import dismech_cli
 from dismech_cli.errors import OutputError, ScenarioError
 from dismech_cli.output.manifest import load_manifest
 from dismech_cli.output.read import read
-from dismech_cli.output.run_directory import SCENARIO_FILE
+from dismech_cli.output.run_directory import LOG_FILE, SCENARIO_FILE
 from dismech_cli.render import movie
 from dismech_cli.run.loop import Limits
+from dismech_cli.scenario.load import load
 from dismech_cli.session.computing import computed_field
-from dismech_cli.session.drawing import Wishes, draw
+from dismech_cli.session.conduct import Record
+from dismech_cli.session.drawing import Wishes, draw, draw_asked
+from dismech_cli.session.ending import Ending
+from dismech_cli.session.exit_codes import Exit
 from dismech_cli.session.narrator import Silent
 from dismech_cli.session.picturing import asked_of, settings_of
 
@@ -154,3 +158,17 @@ def test_cameras_are_placed_as_written(tmp_path: Path) -> None:
         tracked = settings_of(asked_of(run_dir, ("camera=tracking", "size=[65, 64]")), run, None)
         assert tracked.camera.follow == ()
         assert_array_equal(tracked.size, (66, 64))
+
+
+def test_whoever_stops_the_drawing_is_told_how_to_go_on(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def stopped(*asked: object) -> None:
+        raise KeyboardInterrupt
+
+    run_dir = ran(tmp_path)
+    record = Record(run_dir=run_dir, manifest=load_manifest(run_dir), ending=Ending(Exit.DONE, ""))
+    monkeypatch.setattr("dismech_cli.session.drawing.draw", stopped)
+    with pytest.raises(KeyboardInterrupt):
+        draw_asked(record, load(run_dir / SCENARIO_FILE).scenario.output.render, Silent())
+    assert f"no pictures; later: dismech render {run_dir}" in (run_dir / LOG_FILE).read_text()
