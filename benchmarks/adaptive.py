@@ -16,8 +16,8 @@ import numpy as np
 
 from dismech_cli.run.interrupt import StopRequest
 from dismech_cli.scenario.language.study import Measured
-from dismech_cli.studies.study.errors import Yardstick
 from dismech_cli.studies.study.measure import Point, measure
+from dismech_cli.studies.study.yardstick import Yardstick
 from dismech_cli.studies.sweep.points import Base
 
 from .table import table
@@ -131,7 +131,7 @@ def compared(scene: Scene, integrators: Sequence[str]) -> Iterator[tuple[str, li
     yardstick.start(right.courses)
 
     def error(one: Point) -> float:
-        return float(yardstick.distance(one.courses, right.courses))
+        return yardstick.gap(one.courses, right.courses).size
 
     for integrator in integrators:
         kind = f"numerics.integrator={{type: {integrator}}}"

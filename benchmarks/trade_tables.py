@@ -19,11 +19,12 @@ import numpy as np
 
 from dismech_cli.run.interrupt import StopRequest
 from dismech_cli.scenario.language.study import Measured
-from dismech_cli.studies.study.errors import Yardstick
 from dismech_cli.studies.study.given_study import given_over
 from dismech_cli.studies.study.measure import DONE, Point, measure
-from dismech_cli.studies.study.search import Search
+from dismech_cli.studies.study.runs import Runs
+from dismech_cli.studies.study.search import find
 from dismech_cli.studies.study.space import Setting, Space, make_space
+from dismech_cli.studies.study.yardstick import Yardstick
 from dismech_cli.studies.sweep.points import Base
 
 ROOT = Path(__file__).parents[1]
@@ -182,24 +183,25 @@ def unknown(settings: tuple[Setting, ...], price: float) -> Point:
     )  # fmt: skip
 
 
-def search_in(table: Table, target: float, otherwise: Run = unknown) -> Search:
-    """A search that looks runs up."""
+def runs_of(table: Table, otherwise: Run = unknown) -> Runs:
+    """Runs that are looked up."""
     known = table.points | table.between
 
     def run(settings: tuple[Setting, ...], price: float) -> Point:
         return known[settings] if settings in known else otherwise(settings, price)
 
-    return Search(table.space, run, Yardstick(QUANTITIES, table.t_end), target)
+    return Runs(table.space, run, Yardstick(QUANTITIES, table.t_end))
 
 
 def add_between(name: str) -> None:
-    """Run what searches end with between levels, and keep it with the table."""
+    """Run what searches end with between levels, and keep it with the table instead of what none asks for."""
     path = FOLDER / f"{name}.json"
     data, table = json.loads(path.read_text()), read(path)
     file, overrides, _, probe, _ = SCENES[name]
     base = Base(path=ROOT / file, overrides=(*overrides, NO_EXPECT))
     compiled = False
     between: dict[tuple[Setting, ...], Point] = {}
+    used: set[tuple[Setting, ...]] = set()
 
     def run(settings: tuple[Setting, ...], price: float) -> Point:
         nonlocal compiled
@@ -207,14 +209,29 @@ def add_between(name: str) -> None:
             if not compiled:
                 measure(base, settings, {"q": Measured(probe=probe)}, inf, StopRequest())
                 compiled = True
-            between[settings] = measure(base, settings, {"q": Measured(probe=probe)}, price, StopRequest())
+            point = measure(base, settings, {"q": Measured(probe=probe)}, price, StopRequest())
+            between[settings] = replace(point, cpu=point.iterations * _iteration(table, settings))
             print(between[settings].label, f"{between[settings].cpu:.3g}", flush=True)
         return _resampled(between[settings], table)
 
     for target in TARGETS:
-        search_in(table, target, run).find()
-    data["between"] = data.get("between", []) + [_kept(one) for one in between.values()]
+        runs = runs_of(table, run)
+        find(runs, target)
+        used |= {one.settings for one in runs.extra}
+    earlier = [one for one in data.get("between", ()) if tuple(one["settings"].items()) in used]
+    data["between"] = earlier + [_kept(one) for one in between.values()]
     path.write_text(json.dumps(data, separators=(",", ":")) + "\n")
+
+
+def _iteration(table: Table, settings: tuple[Setting, ...]) -> float:
+    """CPU time of an iteration [s] in the table's run that differs by its step alone, the finest such.
+
+    The machine of another hour is another one: times are compared within a table.
+    """
+    rest = {pair for pair in settings if pair[0] != "numerics.dt"}
+    alike = [one for one in table.points.values() if one.stable and rest <= set(one.settings)]
+    longest = max(alike, key=lambda one: one.iterations)
+    return longest.cpu / longest.iterations
 
 
 def time_again(name: str) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from dismech_cli.studies.study.errors import NO_ERROR
+from dismech_cli.studies.study.estimate import NO_ERROR
 from dismech_cli.studies.study.measure import Point
 from dismech_cli.studies.study.refine import Found
 from dismech_cli.studies.study.space import Setting

@@ -21,9 +21,9 @@ from ...run.loop import End, run
 from ...run.sink import Progress
 from ...scenario.language.study import Measured
 from ..sweep.points import Base
-from .errors import Courses
 from .peak_memory import peak_memory, watch_peak
 from .space import Setting
+from .yardstick import Courses
 
 # Cuts that a run may have: some, and a quarter of its steps.
 _CUTS, _CUT_SHARE = 20, 0.25

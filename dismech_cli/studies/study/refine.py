@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Final, Protocol
+from typing import Final
 
-from .errors import NO_ERROR, Estimate, Yardstick
+from .estimate import NO_ERROR, Estimate
 from .measure import Point
-from .space import Space
-
-Key = tuple[int, int, int]
-"""Alternative, level of time, level of mesh."""
+from .runs import Runs
 
 # Below this share of the target it does not matter whether levels fall steadily.
 _CALM: Final = 1.0 / 3.0
@@ -26,7 +23,7 @@ class Found:
         point: Its run.
         time: Error of its steps.
         mesh: Error of its mesh.
-        meets: Whether their sum meets the target.
+        meets: Whether both together meet the target.
         reason: Why not.
     """
 
@@ -38,29 +35,8 @@ class Found:
 
     @property
     def error(self) -> float:
-        """Sum of both."""
-        return self.time.error + self.mesh.error
-
-
-class Runs(Protocol):
-    """The runs made so far, and more of them."""
-
-    space: Space
-    yardstick: Yardstick
-    target: float
-    points: dict[Key, Point]
-
-    def at(self, method: int, time: int, mesh: int) -> Point:
-        """The run of a point, made once."""
-
-    def time_error(self, method: int, time: int, mesh: int) -> Estimate:
-        """Error of the steps of a level."""
-
-    def mesh_error(self, method: int, time: int, mesh: int) -> Estimate:
-        """Error of a mesh."""
-
-    def apart(self, one: Key, other: Key) -> float:
-        """Distance of two runs that were made."""
+        """Of both: added at every time of the run, of which the largest counts."""
+        return (self.time.gap + self.mesh.gap).size
 
 
 @dataclass
@@ -69,6 +45,7 @@ class Refinement:
 
     Attributes:
         runs: All runs.
+        target: Largest error allowed.
         method: The alternative.
         coarsest: The coarsest step that is stable, with which meshes are compared.
         coarse_mesh: The mesh on which steps are compared.
@@ -76,6 +53,7 @@ class Refinement:
     """
 
     runs: Runs
+    target: float
     method: int
     coarsest: int
     coarse_mesh: int
@@ -83,12 +61,12 @@ class Refinement:
 
     def found(self, time: int) -> Found:
         """The cheapest setting that keeps the target, from a level of time on; or the finest of all."""
-        space, target = self.runs.space, self.runs.target
+        space, target = self.runs.space, self.target
         last_time, last_mesh = len(space.time) - 1, len(space.mesh) - 1
         mesh = min(2, last_mesh)
         while True:
             steps, shape = self._errors(time, mesh)
-            total = steps.error + shape.error
+            total = (steps.gap + shape.gap).size
             met, calm = total <= target, total <= _CALM * target
             finer_time = steps.error > 0.5 * target or not steps.steady
             finer_mesh = shape.error > 0.5 * target or not shape.steady
@@ -114,7 +92,7 @@ class Refinement:
             return self.runs.time_error(self.method, time, mesh), NO_ERROR
         steps = self.runs.time_error(self.method, time, self.coarse_mesh)
         shape = self.runs.mesh_error(self._with_mesh(mesh), self.coarsest, mesh)
-        return steps, replace(shape, error=shape.error * self.interaction)
+        return steps, replace(shape, gap=self.interaction * shape.gap)
 
     def _cheapest(self, time: int, mesh: int, steps: Estimate, shape: Estimate) -> Found | None:
         """The cheapest of the levels up to these that keeps the target: errors of coarser ones are known now.
@@ -128,7 +106,7 @@ class Refinement:
             return Found(point, steps, shape, True) if point.stable else None
         times = self._coarser_times(time, steps)
         meshes = self._coarser_meshes(mesh, shape)
-        enough = [(t, h) for t in times for h in meshes if times[t].error + meshes[h].error <= runs.target]
+        enough = [(t, h) for t in times for h in meshes if (times[t].gap + meshes[h].gap).size <= self.target]
         enough.sort(key=lambda key: space.time.ratio ** key[0] * space.mesh.ratio ** key[1])
         for t, h in enough:
             point = runs.at(self.method, t, h)
@@ -137,17 +115,16 @@ class Refinement:
             more = self._interaction_at(t, h)
             if more <= self.interaction:
                 return Found(point, times[t], meshes[h], True)
-            larger = replace(meshes[h], error=meshes[h].error * more / self.interaction)
+            larger = replace(meshes[h], gap=(more / self.interaction) * meshes[h].gap)
             self.interaction = more
-            return (
-                Found(point, times[t], larger, True) if times[t].error + larger.error <= runs.target else None
-            )
+            found = Found(point, times[t], larger, True)
+            return found if found.error <= self.target else None
         return None
 
     def _coarser_times(self, time: int, steps: Estimate) -> dict[int, Estimate]:
         runs, m, h = self.runs, self.method, self.coarse_mesh
         return {
-            k: replace(steps, error=steps.error + runs.apart((m, k, h), (m, time, h)))
+            k: replace(steps, gap=steps.gap + runs.apart((m, k, h), (m, time, h)))
             for k in range(max(time - 2, 0), time + 1)
             if runs.at(m, k, h).stable
         }
@@ -155,7 +132,7 @@ class Refinement:
     def _coarser_meshes(self, mesh: int, shape: Estimate) -> dict[int, Estimate]:
         runs, m, t = self.runs, self._with_mesh(mesh), self.coarsest
         return {
-            k: replace(shape, error=shape.error + self.interaction * runs.apart((m, t, k), (m, t, mesh)))
+            k: replace(shape, gap=shape.gap + self.interaction * runs.apart((m, t, k), (m, t, mesh)))
             for k in range(max(mesh - 2, 0), mesh + 1)
             if runs.at(m, t, k).stable
         }
@@ -176,7 +153,7 @@ class Refinement:
         pairs = [((m, time, mesh), (m, time, other)), ((base, c, mesh), (base, c, other))]
         if not all(runs.at(*key).stable for pair in pairs for key in pair):
             return self.interaction
-        here, there = (runs.apart(*pair) for pair in pairs)
+        here, there = (runs.apart(*pair).size for pair in pairs)
         return min(max(here / there, 1.0), _INTERACTION) if there > 0.0 else 1.0
 
     def _with_mesh(self, mesh: int) -> int:
@@ -193,7 +170,7 @@ class Refinement:
             reason = "only the finest run is left, from which errors are measured: add a level"
         elif not point.stable:
             reason = f"unstable at the finest step: {point.message}"
-        elif steps.error + shape.error <= self.runs.target:
+        elif (steps.gap + shape.gap).size <= self.target:
             reason = "its levels do not converge steadily yet: add a level"
         else:
             name, error = max((("steps", steps.error), ("mesh", shape.error)), key=lambda pair: pair[1])

@@ -22,14 +22,16 @@ from ...session.narrator import Narrator
 from ...session.start import RESULTS
 from ..page import write_page
 from ..sweep.points import Base
-from .errors import Yardstick
+from .every import find_among_all, known_errors
 from .measure import SHAPE, Point, measure
-from .search import Search
+from .runs import Runs
+from .search import find
 from .space import Setting, Space, make_space, with_study
 from .studied import Row, Studied
 from .study_page import study_page
 from .study_text import as_json, csv_text, markdown
 from .timing import timed_again
+from .yardstick import Yardstick
 
 JSON_FILE: Final = "study.json"
 CSV_FILE: Final = "study.csv"
@@ -91,11 +93,11 @@ def study(request: Request, narrator: Narrator) -> Studied:
             narrator.say(_line(point))
             return point
 
-        search = Search(space, told, yardstick, target)
+        runs = Runs(space, told, yardstick)
         if reference == "finest":
-            search.measure_from_finest()
-        found = search.find_among_all() if request.every else search.find()
-        rows, found = timed_again(_rows(search), found, partial(made, price=inf))
+            runs.measure_from_finest()
+        found = find_among_all(runs, target) if request.every else find(runs, target)
+        rows, found = timed_again(_rows(runs), found, partial(made, price=inf))
     studied = Studied(
         name=loaded.scenario.name,
         folder=request.folder or RESULTS / "studies" / loaded.scenario.name,
@@ -133,10 +135,10 @@ def _all_probes(loaded: LoadedScenario) -> Mapping[str, Measured]:
     return {name: Measured(probe=name) for name in probes or (SHAPE,)}
 
 
-def _rows(search: Search) -> tuple[Row, ...]:
-    errors = search.known_errors()
-    known = [(one, errors.get(key)) for key, one in search.points.items()]
-    known += [(one, None) for one in search.extra]
+def _rows(runs: Runs) -> tuple[Row, ...]:
+    errors = {key: one.both for key, one in known_errors(runs).items()}
+    known = [(one, errors.get(key)) for key, one in runs.points.items()]
+    known += [(one, None) for one in runs.extra]
     known.sort(key=lambda pair: (not pair[0].stable, pair[0].cpu))
     rows, best = [], float("inf")
     for point, error in known:

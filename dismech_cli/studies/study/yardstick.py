@@ -1,14 +1,8 @@
-"""Errors of refined solutions from their differences, with a safety factor.
-
-After the grid convergence index (Roache 1994; ASME V&V 20): where three levels fall with an observed order
-near the nominal one the difference is extrapolated and enlarged by 1.25, else by 2.
-"""
+"""What runs are compared by: the quantities of a study, as shares of the range that they go through."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from math import inf, isfinite, log, nan
+from collections.abc import Callable, Mapping
 from typing import Final
 
 import numpy as np
@@ -17,60 +11,13 @@ from ...arrays import FloatArray
 from ...errors import ScenarioError
 from ...run.observables.reduce import period, time_mean
 from ...scenario.language.study import Measured
+from .gap import Gap, Norm, largest, root_mean_square
 
-# Safety with and without an observed order, the least order that is believed, and the share of the
-# nominal one from which on three levels are said to converge.
-_SAFE, _UNSURE, _LEAST, _STEADY = 1.5, 2.0, 0.5, 0.5
 # Times at which courses are compared.
 _TIMES: Final = 400
 
 Courses = Mapping[str, tuple[FloatArray, FloatArray]]
 """Times [s], shape (K,), and values of each quantity, by name: of a probe (K,), of the shape (K, N, 3)."""
-
-
-@dataclass(frozen=True, slots=True)
-class Estimate:
-    """Error of the finest of some levels.
-
-    Attributes:
-        error: As a share.
-        order: Observed; NaN with fewer than three levels.
-        steady: Whether three levels fell as they should, or there are not three.
-    """
-
-    error: float
-    order: float = nan
-    steady: bool = True
-
-
-NO_ERROR: Final = Estimate(0.0)
-"""Of what is not refined."""
-
-
-def estimate(differences: Sequence[float], ratio: float, nominal: float) -> Estimate:
-    """The error from differences between successive levels, the coarsest first; the last two count.
-
-    Args:
-        differences: One, or more.
-        ratio: Between the levels.
-        nominal: Order that is to be expected.
-    """
-    fine = differences[-1]
-    if not isfinite(fine):
-        return Estimate(inf, steady=False)
-    if len(differences) < 2:
-        return Estimate(_UNSURE * fine / (ratio**nominal - 1.0))
-    coarse = differences[-2]
-    if coarse == 0.0:
-        return Estimate(_UNSURE * fine / (ratio**_LEAST - 1.0), steady=fine == 0.0)
-    order = log(coarse / fine) / log(ratio) if fine > 0.0 else inf
-    if order < _LEAST:
-        # hardly falling: the coarser difference may be the lucky one
-        return Estimate(_UNSURE * max(fine, coarse) / (ratio**_LEAST - 1.0), order, steady=False)
-    # a difference that is small by chance is no smaller than the one before it says
-    believed = min(order, nominal)
-    size = max(fine, coarse / ratio**nominal)
-    return Estimate(_SAFE * size / (ratio**believed - 1.0), order, order >= _STEADY * nominal)
 
 
 class Yardstick:
@@ -117,29 +64,37 @@ class Yardstick:
         if still:
             raise ScenarioError(f"study: {', '.join(still)} does not change in the run: name others")
 
-    def distance(self, one: Courses, other: Courses) -> float:
-        """The largest difference of any quantity, as a share."""
-        return max(self._apart(name, one, other) for name in self._quantities)
+    def gap(self, one: Courses, other: Courses) -> Gap:
+        """How far two runs are apart in every quantity."""
+        return self._gap({name: self._apart(name, one, other) for name in self._quantities})
 
-    def error(self, courses: Courses) -> float:
-        """The largest distance from what is right, as a share."""
+    def error(self, courses: Courses) -> Gap:
+        """How far a run is from what is right."""
         if self._reference is not None:
-            return self.distance(courses, self._reference)
-        return max(
-            abs(self._number(name, courses) - float(how.value or 0.0))
-            / self._scale(name, float(how.value or 0.0))
-            for name, how in self._quantities.items()
+            return self.gap(courses, self._reference)
+        return self._gap(
+            {
+                name: np.array([self._off(name, courses, float(how.value or 0.0))])
+                for name, how in self._quantities.items()
+            }
         )
 
-    def _apart(self, name: str, one: Courses, other: Courses) -> float:
-        norm = self._quantities[name].norm
-        if norm in _COURSES:
+    def _gap(self, parts: Mapping[str, FloatArray]) -> Gap:
+        norms = tuple(_COURSES.get(self._quantities[name].norm, largest) for name in parts)
+        return Gap(tuple(parts.values()), norms)
+
+    def _apart(self, name: str, one: Courses, other: Courses) -> FloatArray:
+        """Of one quantity, shape (K,), or (1,) if it is one number."""
+        if self._quantities[name].norm in _COURSES:
             if one[name][1].shape[1:] != other[name][1].shape[1:]:
                 raise ScenarioError("study: the shapes of different meshes cannot be compared: name probes")
             gap = _at(*one[name], self._times) - _at(*other[name], self._times)
-            return _COURSES[norm](_size(gap)) / self._ranges[name]
-        first, second = self._number(name, one), self._number(name, other)
-        return abs(first - second) / self._scale(name, second)
+            return _size(gap) / self._ranges[name]
+        return np.array([self._off(name, one, self._number(name, other))])
+
+    def _off(self, name: str, courses: Courses, right: float) -> float:
+        """How far a number is from the right one, as a share."""
+        return abs(self._number(name, courses) - right) / self._scale(name, right)
 
     def _number(self, name: str, courses: Courses) -> float:
         return _NUMBERS[self._quantities[name].norm](*courses[name])
@@ -148,10 +103,7 @@ class Yardstick:
         return abs(value) if self._quantities[name].norm == "period" else self._ranges[name]
 
 
-_COURSES: Mapping[str, Callable[[FloatArray], float]] = {
-    "max": lambda gap: float(gap.max()),
-    "rms": lambda gap: float(np.sqrt(np.mean(gap * gap))),
-}
+_COURSES: Mapping[str, Norm] = {"max": largest, "rms": root_mean_square}
 _NUMBERS: Mapping[str, Callable[[FloatArray, FloatArray], float]] = {
     "last": lambda t, x: float(x[-1]),
     "mean": time_mean,
