@@ -110,6 +110,8 @@ class StageProblem:
         settings: Stopping rule.
         kept: Factors that the step keeps.
         spent: Linear solves done, those of shifted tangents and factorisations of projected ones included.
+        turned: Steps on which friction turned round: of them there are many where bodies come to stick, and they
+            tell nothing of a wrong root, so that as many more solves may be done.
     """
 
     system: System
@@ -118,6 +120,7 @@ class StageProblem:
     settings: NewtonSettings
     kept: Kept = field(default_factory=Kept)
     spent: int = field(default=0, init=False)
+    turned: int = field(default=0, init=False)
 
     @property
     def free(self) -> IntArray:
@@ -132,7 +135,8 @@ class StageProblem:
     @property
     def used_up(self) -> bool:
         """Whether no factorisation is left."""
-        return self.spent == self.settings.max_iterations
+        most = self.settings.max_iterations
+        return self.spent >= most + min(self.turned, most)
 
     def at_once(self, guess: FloatArray, most: int) -> Solved | None:
         """The stage solved by a compiled step; None where there is none, or it takes more than full steps.
@@ -184,6 +188,7 @@ class StageProblem:
         end = self._moved(q, long * step)
         if not self.system.reverses(self.stage, q, end, self.stored):
             return long
+        self.turned += 1
 
         def slope(part: float) -> float:
             r = self.system.residual(self.stage, self._moved(q, part * step), self.stored)

@@ -269,7 +269,7 @@ def through_stages(
                 start, result.status, iterations, result.residual_norm, result.residual, result.worst
             )
         ambiguous = ambiguous or (result.indefinite and stage.weights.a > 0.0)
-        if result.iterations >= settings.slow:
+        if result.iterations - problem.turned >= settings.slow:
             again = StageProblem(system, stage, latest.frames, settings, kept)
             still = again.reachable(latest.q, stepper.predictor.still(again, since))
             sure, spent = confirmed(again, solve, latest.q, still, result)

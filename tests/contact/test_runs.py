@@ -59,6 +59,38 @@ def test_the_threshold_of_a_slope(r: float) -> None:
         assert_allclose(end - middle, 0.4 * 9.8 * (r - 1.0), rtol=1e-2)
 
 
+@pytest.mark.parametrize("tangent", ["full", "symmetric"])
+def test_sticks_that_come_to_stick(tangent: str) -> None:
+    """A pile of three falls on the floor: Newton's method is slow there, and neither gives up nor looks for more."""
+    deck = {
+        "schema_version": 1,
+        "name": "pile",
+        "materials": {"m": {"youngs_modulus": 1e6, "poisson_ratio": 0.5, "density": 1000}},
+        "geometry": [
+            {
+                "type": "rod",
+                "name": "stick_$i",
+                "material": "m",
+                "radius": 3e-3,
+                "repeat": {
+                    "count": 3,
+                    "translate": [3e-3, 2e-3, 1e-2],
+                    "rotate": {"axis": [0, 0, 1], "angle": "77 deg"},
+                },
+                "generate": {"shape": "line", "from": [-0.05, 0, 0.01], "to": [0.05, 0, 0.01], "nodes": 11},
+            }
+        ],
+        "obstacles": [{"name": "floor", "type": "plane", "point": [0, 0, 0], "normal": [0, 0, 1]}],
+        "contact": {"friction": {"coefficient": 0.4, "slip_speed": 1e-3, "tangent": tangent}},
+        "forces": [{"type": "gravity", "acceleration": [0, 0, -9.81]}],
+        "numerics": {"dt": 4e-3, "t_end": 0.08},
+    }
+    counters = dismech_cli.simulate(deck).outcome.counters
+    # with turns counted as slow convergence: 56 cuts, 20 iterations per step
+    assert counters["cuts"] <= 1
+    assert counters["iterations"] <= 10 * counters["steps"]
+
+
 def test_friction_turns_kinetic_energy_into_heat() -> None:
     deck = on_floor(initial_velocity=[{"where": "rod", "velocity": [1.0, 0.0, 0.0]}])
     deck["numerics"]["t_end"] = 0.4

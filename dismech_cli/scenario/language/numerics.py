@@ -137,7 +137,8 @@ class Step(Spec):
     patience: Annotated[int, Field(ge=1, le=10_000)] = Field(
         default=10,
         description="Newton iterations per stage of a dynamic step after which dt is halved instead of going "
-        "on, as long as it may be: slow convergence is how a wrong root announces itself.",
+        "on, as long as it may be: slow convergence is how a wrong root announces itself. Those in which "
+        "friction turns round do not count, up to as many again.",
     )
 
 
