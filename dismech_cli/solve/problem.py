@@ -110,8 +110,8 @@ class StageProblem:
         settings: Stopping rule.
         kept: Factors that the step keeps.
         spent: Linear solves done, those of shifted tangents and factorisations of projected ones included.
-        turned: Steps on which friction turned round: of them there are many where bodies come to stick, and they
-            tell nothing of a wrong root, so that as many more solves may be done.
+        turned: Steps on which friction turned round: many where bodies come to stick, and no sign of a wrong
+            root, so that as many more solves may be done.
     """
 
     system: System

@@ -65,8 +65,8 @@ FILMS = {
 }
 FRONT = {
     "helix_soft": ["--times", "0.1"],
-    "pneunet_semi": ["--color-by", "curvature"],
-    "parachute": [],
+    "curl_grip": ["--set", "ghosts=[0, 0.6]"],
+    "parachute": ["--camera", "tracking", "--color-by", "none"],
     "jellyfish_tentacles": ["--times", "1"],
 }
 

@@ -61,7 +61,7 @@ def test_the_threshold_of_a_slope(r: float) -> None:
 
 @pytest.mark.parametrize("tangent", ["full", "symmetric"])
 def test_sticks_that_come_to_stick(tangent: str) -> None:
-    """A pile of three falls on the floor: Newton's method is slow there, and neither gives up nor looks for more."""
+    """A pile of three falls on the floor: Newton's method is slow there, but neither gives up nor doubts."""
     deck = {
         "schema_version": 1,
         "name": "pile",
