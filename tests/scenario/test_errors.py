@@ -67,6 +67,20 @@ def test_a_key_elsewhere_and_keys_of_a_mapping_are_told(folder: Folder, added: s
     assert told in _first(_message(folder, SCENE + added))
 
 
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("poisson_ratio: 0.5, ", "", ".poisson_ratio: missing key"),
+        (", to: [100 mm, 0, 0]", "", ".generate.to: missing key (last node)"),
+        ("from: [0, 0, 0]", "from: 3", ".from: expected a list, got 3 (first node)"),
+    ],
+)
+def test_what_a_key_is_for_is_told(folder: Folder, old: str, new: str, told: str) -> None:
+    """Unless its name says as much."""
+    assert old in SCENE
+    assert _first(_message(folder, SCENE.replace(old, new))).endswith(told)
+
+
 def test_all_faults_at_once_in_order(folder: Folder) -> None:
     text = SCENE.replace("2 MPa", "2 Mpa").replace("radius: 1 mm", "radius: -1 mm").replace("t_end", "tend")
     lines = [line for line in _message(folder, text).splitlines() if line.startswith("scene")]

@@ -24,6 +24,13 @@ def known_keys(data: Any, path: KeyPath) -> list[str]:
     return sorted({key for schema in _variants(schemas, data) for key in schema.get("properties", {})})
 
 
+def meaning(data: Any, path: KeyPath) -> str:
+    """What the key at ``path`` of ``data``, there or missing, is for; empty where the schema is silent."""
+    schemas, data = _at(data, path[:-1])
+    found = (below for schema in _variants(schemas, data) for below in _below(schema, path[-1]))
+    return next((schema["description"] for schema in found if "description" in schema), "")
+
+
 def kinds_with_key(data: Any, path: KeyPath, key: str) -> list[str]:
     """Tags of the kinds, at ``path`` of ``data``, that have a key; none where there are no kinds."""
     schemas, _ = _at(data, path)

@@ -9,7 +9,7 @@ from pydantic_core import ErrorDetails
 
 from ...words import did_you_mean, hint, listed
 from ..text.tree import KeyPath, describe
-from .known_keys import kinds_with_key, known_keys, places_with_key
+from .known_keys import kinds_with_key, known_keys, meaning, places_with_key
 
 _BOUNDS: Final = {
     "greater_than": ("greater than", "gt"),
@@ -49,7 +49,7 @@ def message(detail: ErrorDetails, data: Any, path: KeyPath) -> str:
     if kind == "scenario":
         return str(context["message"])
     if kind == "missing":
-        return "missing key"
+        return f"missing key{_meaning(data, path)}"
     if kind == "extra_forbidden":
         return _unknown_key(data, path[:-1], str(path[-1]))
     if kind == "literal_error":
@@ -64,7 +64,8 @@ def message(detail: ErrorDetails, data: Any, path: KeyPath) -> str:
     if kind == "one_key":
         return _one_key(given, detail["msg"].split())
     if kind in _EXPECTED:
-        return f"expected {_EXPECTED[kind]}{_with_keys(kind, data, path)}, got {describe(given)}"
+        expected = f"{_EXPECTED[kind]}{_with_keys(kind, data, path)}"
+        return f"expected {expected}, got {describe(given)}{_meaning(data, path)}"
     if kind in ("too_short", "too_long"):
         return _length(context, kind)
     if kind in _BOUNDS:
@@ -95,6 +96,14 @@ def _unknown_key(data: Any, path: KeyPath, key: str) -> str:
 
 def _within(path: KeyPath) -> str:
     return f"of {'.'.join(map(str, path))!r}" if path else "of the scenario itself"
+
+
+def _meaning(data: Any, path: KeyPath) -> str:
+    """What the key is for, in brackets; nothing where the key itself says as much."""
+    text = meaning(data, path).rstrip(".")
+    if len(text.split()) <= len(str(path[-1]).split("_")):
+        return ""
+    return f" ({text[0].lower()}{text[1:]})"
 
 
 def _with_keys(kind: str, data: Any, path: KeyPath) -> str:
