@@ -70,8 +70,32 @@ def test_page_on_outputs(folder):
     assert len(run) > 1
 
 
-def test_readme(folder):
+def _first_scene(folder):
     scenario = re.search(r"^```yaml\n(.*?)^```$", (ROOT / "README.md").read_text(), re.MULTILINE | re.DOTALL)
     (folder / "arm.yaml").write_text(scenario[1])
+
+
+def test_readme(folder):
+    _first_scene(folder)
     report = execute("README.md")["report"]
     assert report.scalars["kinetic"][-1] > 0.0
+
+
+def test_the_first_scene_is_right_at_the_steps_that_are_shown(folder):
+    """Beside a fifth of them: shapes of all frames, as shares of the largest motion."""
+    _first_scene(folder)
+
+    def shapes(**how):
+        report = simulate("arm.yaml", **how).raise_for_status()
+        return np.stack([frame.positions for frame in report.frames])
+
+    right = shapes(overrides=["numerics.dt=1 ms"])
+    moved = np.sqrt(((right - right[0]) ** 2).sum(axis=2).mean(axis=1)).max()
+
+    def error(**how):
+        return np.sqrt(((shapes(**how) - right) ** 2).sum(axis=2).mean(axis=1)).max() / moved
+
+    assert moved > 0.2
+    assert error() < 2e-3
+    assert error(profile="draft") < 2e-2
+    assert error(overrides=["numerics.dt=null"]) < 5e-2
