@@ -8,7 +8,7 @@ from typing import ClassVar, Final
 from ..model.saved import Arrays, Numbers
 from ..solve.step import StepResult
 from .accuracy import Accuracy
-from .growing import MOST, grown, shrunk
+from .growing import MOST, STANDS, grown, shrunk
 from .stops import Stops
 
 # A run takes about so many steps at a tolerance of 1e-3, and these after every event.
@@ -119,7 +119,7 @@ class Adaptive:
     def refused(self, result: StepResult) -> Adaptive | None:
         """The control with a shorter step if the error of a step is too large; None if it may stand."""
         _, error = self.accuracy.of(result, self.at, self.motion)
-        if error <= 1.0 or self.exhausted:
+        if error <= STANDS or self.exhausted:
             return None
         return self._cut(shrunk(error, self.accuracy.order))
 
@@ -146,7 +146,7 @@ class Adaptive:
             last=last,
             cut=False,
             motion=motion,
-            forced=self.forced + (error > 1.0),
+            forced=self.forced + (error > STANDS),
         )
 
     def _cut(self, factor: float) -> Adaptive:

@@ -11,8 +11,10 @@ import pytest
 from decks import Deck, attempt, given_section, line, rod_deck
 from numpy.testing import assert_allclose, assert_array_equal
 
+from benchmarks.adaptive import SCENES, read
 from dismech_cli import simulate
 from dismech_cli.compose.compose import compose
+from dismech_cli.compose.numerics import build_newton
 from dismech_cli.errors import ScenarioError
 from dismech_cli.laws.laws import Constant, Expression, Law, Ramp, Sine, Table
 from dismech_cli.model.saved import Arrays, Numbers
@@ -26,6 +28,7 @@ from dismech_cli.run.sink import Progress
 from dismech_cli.scenario.load import load_mapping
 from dismech_cli.session.changing import moved
 from dismech_cli.session.report import Report
+from dismech_cli.solve.step import Stepper
 
 TWITCH = Path(__file__).parents[1] / "data" / "twitch.yaml"
 PULSE: Deck = {"table": [[0.3, 0.0], [0.4, 2.0], [0.5, 2.0], [0.6, 0.0]]}
@@ -206,6 +209,39 @@ def test_a_step_that_is_refused_leaves_no_trace() -> None:
     assert_allclose(bold.frames[-1].positions, plain.frames[-1].positions, atol=2e-2 * moved)
 
 
+def test_a_step_that_is_barely_too_long_stands_and_the_next_one_is_shorter() -> None:
+    """To make it again costs more; one that errs half as much again as it may is made again."""
+    simulation = compose(load_mapping(_falling_arm("tr_bdf2"))).simulation
+    control = simulation.control
+    assert isinstance(control, Adaptive)
+    stepper = Stepper(simulation.model, simulation.integrator, simulation.newton, simulation.linear_solver)
+    result = stepper.step(stepper.prepare(simulation.start), 0.01)
+    _, error = control.accuracy.of(result, 0.0, 0.0)
+
+    def erring(size: float) -> Adaptive:
+        accuracy = replace(control.accuracy, rtol=control.accuracy.rtol * error / size, _last=[])
+        return replace(control, step=0.01, accuracy=accuracy)
+
+    assert erring(1.6).refused(result) is not None
+    assert erring(1.4).refused(result) is None
+    after = erring(1.4).accepted(result)
+    assert after.step < 0.009
+    assert after.forced == 0
+
+
+@pytest.mark.parametrize(("rtol", "tolerance"), [(None, 1e-4), (1e-2, 1e-4), (3e-4, 3e-5), (1e-6, 1e-7)])
+def test_newton_is_as_exact_as_steps_are(rtol: float | None, tolerance: float) -> None:
+    deck = _with(_falling_arm("tr_bdf2"), step={} if rtol is None else {"rtol": rtol})
+    loaded = load_mapping(deck)
+    assert build_newton(loaded.scenario.numerics, driven=False, touching=False).tolerance == pytest.approx(
+        tolerance
+    )
+    touching = build_newton(loaded.scenario.numerics, driven=False, touching=True).tolerance
+    assert touching == pytest.approx(min(tolerance, 1e-5))
+    fixed = load_mapping(_with(_falling_arm("tr_bdf2"), dt=1e-3)).scenario.numerics
+    assert build_newton(fixed, driven=False, touching=False).tolerance == 1e-5
+
+
 def test_steps_that_may_not_be_cut_are_told() -> None:
     deck = _with(_falling_arm("tr_bdf2"), step={"rtol": 1e-7, "dt_min": 0.01})
     outcome = run(compose(load_mapping(deck)).simulation, Kept())
@@ -316,3 +352,14 @@ def test_iterations_on_a_twitch_are_fewer_than_at_fixed_steps(name: str) -> None
     assert errors[0] < np.log(error(ours)) < errors[-1]
     equal = float(np.exp(np.interp(np.log(error(ours)), errors, spent)))
     assert ours.outcome.counters["iterations"] <= 0.85 * equal
+
+
+def test_what_was_measured_keeps_its_bars() -> None:
+    """`python -m benchmarks adaptive`: swings with both integrators; the jellyfish with the default one."""
+    measured = read()
+    assert len(measured) == 2 * len(SCENES)
+    for name, rows in measured.items():
+        scene, _, integrator = name.partition(":")
+        if (scene, integrator) != ("jellyfish", "generalized_alpha"):
+            assert max(row.ratio for row in rows) <= SCENES[scene].bar, name
+    assert all(row.ratio <= 1.05 for row in measured["jellyfish:generalized_alpha"])

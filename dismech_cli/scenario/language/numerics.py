@@ -94,7 +94,8 @@ class Newton(Spec):
     tolerance: Annotated[float, Quantity("ratio", gt=0, lt=1)] | None = Field(
         default=None,
         description="Relative size of the residual at which it stops; 1e-8 in statics, else 1e-5, which is "
-        "far below the error of a time step.",
+        "far below the error of a time step, and in adaptive steps of what cannot touch a tenth of `rtol`, "
+        "at most 1e-4.",
     )
     max_iterations: Annotated[int, Field(ge=1, le=10_000)] = Field(
         default=100,
