@@ -73,18 +73,31 @@ def make_stepping(
         assert numerics.dt is not None
         return Stepping(Clock(time_grid(numerics.dt, t_end, (*releases, *samples)), cuts), every)
     tolerance, scheme = _tolerance(numerics, t_end), build_integrator(integrator)
-    # what rings, or touches, moves in a step as no cubic does: frames then lie at the ends of steps
+    # what rings, or touches, moves in a step as no cubic does: frames, and times that expectations ask for,
+    # then lie at the ends of steps
     smooth = scheme.damping > 0 and loaded.scenario.contact is None
     norm = ErrorNorm(model, start, float(np.ptp(model.dofs.positions(model.rest), axis=0).max()))
+    pace = find_pace(tuple(_laws(loaded)), releases, t_end)
     control = Adaptive(
         tolerance=tolerance,
-        stops=Stops(
-            find_pace(tuple(_laws(loaded)), releases, t_end), inf if smooth else every, np.array(samples)
+        stops=(
+            Stops(pace, inf, np.array(samples))
+            if smooth
+            else Stops(
+                pace, every, np.union1d(samples, _asked(loaded, every, np.append(pace.events, samples)))
+            )
         ),
         accuracy=Accuracy(norm, scheme, tolerance.rtol, t_end),
         step=tolerance.first,
     )
     return Stepping(control, every, within if smooth else at_ends)
+
+
+def _asked(loaded: LoadedScenario, every: float, stops: FloatArray) -> FloatArray:
+    """Times of expectations [s] at which no frame is, and nothing else that ends a step: (K,)."""
+    asked = np.array([one.at for one in loaded.scenario.expect.values() if one.at is not None])
+    apart = np.abs(asked - every * np.round(asked / every)) > 1e-9 * every
+    return asked[apart & (np.abs(asked[:, None] - stops) > 1e-9 * every).all(axis=1)]
 
 
 def _tolerance(numerics: Numerics, t_end: float) -> Tolerance:

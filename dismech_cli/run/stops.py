@@ -22,7 +22,7 @@ class Stops:
     Attributes:
         pace: What they must not step over.
         every: Time between marks [s]: frames of runs that have none in between; infinite without.
-        samples: Times at which controllers sample, ascending [s].
+        samples: Times at which controllers sample, or expectations ask, ascending [s].
     """
 
     pace: Pace

@@ -25,12 +25,13 @@ from dismech_cli.run.loop import End, Limits, run
 from dismech_cli.run.pace import find_pace
 from dismech_cli.run.recorder import Checkpoint
 from dismech_cli.run.sink import Progress
-from dismech_cli.scenario.load import load_mapping
+from dismech_cli.scenario.load import load, load_mapping
 from dismech_cli.session.changing import moved
 from dismech_cli.session.report import Report
 from dismech_cli.solve.step import Stepper
 
 TWITCH = Path(__file__).parents[1] / "data" / "twitch.yaml"
+SCENARIOS = Path(__file__).parents[2] / "scenarios"
 PULSE: Deck = {"table": [[0.3, 0.0], [0.4, 2.0], [0.5, 2.0], [0.6, 0.0]]}
 
 
@@ -177,6 +178,16 @@ def test_looks_are_in_order_and_end_with_the_step() -> None:
     assert framed == (True, False, False, True, False, True)
     assert within(0.0, 0.0, due=0.0, every=0.1) == [(0.0, True)]
     assert within(0.0, 0.1, due=0.3, every=0.3)[-1] == (0.1, False)
+
+
+def test_what_is_asked_before_an_impact_is_read_before_it() -> None:
+    """Rods meet at 96 ms; their load at 95 ms, between frames every 2 ms, is not one of both."""
+    own = ["numerics.dt=null", "numerics.step={adaptive: true}", "numerics.t_end=0.1 s"]
+    loaded = load(SCENARIOS / "crossed_rods.yaml", overrides=own)
+    stops = compose(loaded).simulation.control.stops
+    assert_allclose(stops.samples, [0.095], rtol=1e-15)
+    verdicts = {one.name: one for one in simulate(loaded, kernels="numpy").verdicts}
+    assert verdicts["before"].measured == 0.0
 
 
 # -- accuracy and robustness -------------------------------------------------------------------------------
