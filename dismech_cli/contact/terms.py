@@ -81,7 +81,7 @@ class NormalTerm:
         """Add dE/dq and d2E/dq2."""
         for touching in self._found.touching(c):
             places = self._places[touching.kind]
-            add = places.add_hessians if touching.points.bend.any() else places.add_squares
+            add = places.add_hessians if touching.strips.curved else places.add_squares
             add(touching, into.residual, into.stiffness)
 
     def add_convex_linearization(self, c: Configuration, into: Linearization) -> None:

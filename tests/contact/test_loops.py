@@ -13,6 +13,7 @@ from dismech_cli.contact.drivers.compiled import Compiled
 from dismech_cli.contact.drivers.loops import Loops
 from dismech_cli.contact.gather.stencils import Stencils
 from dismech_cli.contact.gather.touching import Touching
+from dismech_cli.contact.law.between import Between
 from dismech_cli.contact.nearby.candidates import Boxes
 from dismech_cli.contact.obstacles.obstacle import HalfSpace, Rounded, Shape
 from dismech_cli.contact.pairs.surface_pairs import SurfacePairs
@@ -113,13 +114,13 @@ def test_ways(compiled: Loops, size: int) -> None:
         assert (later >= np.minimum(nearest, 0.5 * gap) - 1e-12)[gap > 0.0].all()
 
 
-@pytest.mark.parametrize("kind", ["segment_points", "vertex_points"])
+@pytest.mark.parametrize("kind", ["segment_strips", "vertex_strips"])
 def test_points_on_lines(compiled: Loops, kind: str) -> None:
     """Some of the items only, twice: buffers are kept."""
-    x, nodes = places({"segment_points": 4, "vertex_points": 3}[kind])
+    x, nodes = places({"segment_strips": 4, "vertex_strips": 3}[kind])
     for rows in (np.arange(0, COUNT, 50), np.arange(0, COUNT, 2), np.arange(COUNT)):
         reach, factor = np.full(len(rows), REACH), RNG.uniform(1.0, 2.0, len(rows))
-        ours = getattr(compiled, kind)(x, nodes, rows, reach, factor)
+        ours = getattr(compiled, kind)(x, nodes, rows, reach, factor).points
         theirs = getattr(Batches(), kind)(x, nodes, rows, reach, factor)
         if len(rows) > 100:
             assert_same(ours, theirs)
@@ -163,7 +164,7 @@ def test_sums(compiled: Loops, axes: tuple[int, ...], shared: bool) -> None:
     """Forces and tangents to the same places, in space and in a plane, with DOFs fixed and nodes shared."""
     x, nodes = places(4)
     every = np.arange(COUNT)
-    points = Batches().segment_points(x, nodes, every, np.full(COUNT, REACH), np.ones(COUNT))
+    points = Batches().segment_strips(x, nodes, every, np.full(COUNT, REACH), np.ones(COUNT))
     order = np.argsort(points.item, kind="stable")
     points = Points(*(np.ascontiguousarray(getattr(points, name)[..., order]) for name in Points.__slots__))
     dofs = DofMap(len(x), 0, axes, len(x))
@@ -171,7 +172,8 @@ def test_sums(compiled: Loops, axes: tuple[int, ...], shared: bool) -> None:
         nodes = nodes % 60
     stencils = Stencils(dofs, nodes)
     none = np.zeros(len(points.item))
-    touching = Touching(0, stencils, points, none, lambda: np.zeros((3, 0)), none.astype(np.int64), none)
+    between = Between(none, none.astype(np.int64), none)
+    touching = Touching(0, stencils, points, between, lambda: np.zeros((3, 0)))
     half = RNG.normal(size=(3, 3, len(none)))
     symmetric = half + half.transpose(1, 0, 2)
     free = np.ones(dofs.n, dtype=np.bool_)
@@ -194,6 +196,34 @@ def test_sums(compiled: Loops, axes: tuple[int, ...], shared: bool) -> None:
         found.append((r, values[:, :-1], more[:, :-1]))
     for one, other in zip(*found, strict=True):
         assert_allclose(one, other, rtol=1e-10, atol=1e-12 * np.abs(other).max())
+
+
+@pytest.mark.parametrize("axes", [(0, 1, 2), (0, 2)])
+@pytest.mark.parametrize(("kind", "size"), [("segment_strips", 4), ("vertex_strips", 3)])
+def test_sums_over_pieces(compiled: Loops, kind: str, size: int, axes: tuple[int, ...]) -> None:
+    """Straight from pieces as from points: with nodes that are shared, held, and held in part."""
+    x, nodes = places(size)
+    nodes = nodes % 60
+    dofs = DofMap(60, 0, axes, 60)
+    stencils = Stencils(dofs, nodes)
+    free = np.ones(dofs.n, dtype=np.bool_)
+    free[dofs.of_nodes(np.array([[7]]))] = free[dofs.of_nodes(np.array([[11]])).reshape(-1)[:1]] = False
+    upper = SparsityPattern.build(dofs, free, [stencils.coupling], symmetric=True)
+    rows = np.arange(COUNT)
+    reach, factor = np.full(COUNT, REACH), RNG.uniform(-1.0, 2.0, COUNT)
+    between = Between(np.zeros(COUNT), rows, np.zeros(COUNT))
+    found = []
+    for loops in (compiled, Batches()):
+        strips = getattr(loops, kind)(x, nodes, rows, reach, factor)
+        touching = Touching(0, stencils, strips, between, lambda: np.zeros((3, 0)))
+        r, values = np.zeros((2, dofs.n)), np.zeros((2, upper.slots))
+        sums = loops.symmetric_places(stencils, upper)
+        sums.add_hessians(touching, r[0], values[0])
+        sums.add_squares(touching, r[1], values[1])
+        found.append((r, values[:, :-1]))
+    for one, other in zip(*found, strict=True):
+        assert np.abs(other).max() > 0.0
+        assert_allclose(one, other, rtol=0, atol=1e-12 * np.abs(other).max())
 
 
 @pytest.mark.parametrize("symmetric", [True, False])
@@ -264,7 +294,8 @@ def test_sums_on_obstacles(compiled: Loops, shape: Shape) -> None:
     assert len(points.item) > 50
     stencils = Stencils(DofMap(len(x), 0, (0, 1, 2), len(x)), nodes)
     none = np.zeros(len(points.item))
-    touching = Touching(0, stencils, points, none, lambda: np.zeros((3, 0)), none.astype(np.int64), none)
+    between = Between(none, none.astype(np.int64), none)
+    touching = Touching(0, stencils, points, between, lambda: np.zeros((3, 0)))
     pattern = all_free(stencils)
     found = []
     for loops in (compiled, Batches()):

@@ -39,7 +39,7 @@ class Cut:
     pieces: Pieces
     feature: IntArray
 
-    def points(self, faced: Faced) -> tuple[Points, Points, Points]:
+    def strips(self, faced: Faced) -> tuple[Points, Points, Points]:
         """Points of contact with triangles, and with the sides and corners that these share."""
         some = np.flatnonzero(np.isin(self.pieces.item, faced.which))
         pieces = self.pieces.some(some)
@@ -92,7 +92,7 @@ class Batches:
         """Distances of lines from segments."""
         return distances(np.ascontiguousarray(x[nodes].transpose(1, 2, 0)))
 
-    def segment_points(
+    def segment_strips(
         self, x: FloatArray, nodes: IntArray, rows: IntArray, reach: FloatArray, factor: FloatArray
     ) -> Points:
         """Points of contact of lines with segments."""
@@ -100,7 +100,7 @@ class Batches:
         points = round_points(beside(start, end - start, first, second), reach, factor)
         return replace(points, item=rows[points.item])
 
-    def vertex_points(
+    def vertex_strips(
         self, x: FloatArray, nodes: IntArray, rows: IntArray, reach: FloatArray, factor: FloatArray
     ) -> Points:
         """Points of contact of lines with vertices."""

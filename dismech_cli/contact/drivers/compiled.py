@@ -17,7 +17,7 @@ from ..nearby import way_loops
 from ..nearby.candidates import Boxes
 from ..nearby.grid import Grid
 from ..pieces import face_loops, line_loops, point_loops
-from ..points.filled import Loop, PointsOf
+from ..points.filled import Loop, StripsOf
 from ..points.surface_compiled import Measured, SurfaceLoops
 
 
@@ -25,8 +25,8 @@ from ..points.surface_compiled import Measured, SurfaceLoops
 class Compiled:
     """One after the other."""
 
-    segment_points: PointsOf
-    vertex_points: PointsOf
+    segment_strips: StripsOf
+    vertex_strips: StripsOf
     surface: SurfaceLoops
     grid: Grid
     upper: UpperSums
@@ -58,7 +58,7 @@ class Compiled:
         if fill is None or surface is None or grid is None or upper is None or len(loops) < len(names):
             return None
         segments, vertices, *others = loops
-        return cls(PointsOf(segments, fill, 2), PointsOf(vertices, fill, 1), surface, grid, upper, *others)
+        return cls(StripsOf(segments, fill, 2), StripsOf(vertices, fill, 1), surface, grid, upper, *others)
 
     def near_among(self, boxes: Boxes) -> IntArray:
         """Pairs of boxes that are nearer than both sizes."""

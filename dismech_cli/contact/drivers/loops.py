@@ -11,7 +11,7 @@ from ..gather.stencils import GeneralPlaces, Stencils
 from ..gather.touching import Touching
 from ..nearby.candidates import Boxes
 from ..pieces.surface import Faced
-from ..points.points import Points
+from ..points.strips import Strips
 from .batches import Batches
 from .compiled import Compiled
 
@@ -32,8 +32,8 @@ class Near(Protocol):
     def distance(self) -> FloatArray:
         """See the class."""
 
-    def points(self, faced: Faced) -> tuple[Points, Points, Points]:
-        """Points of contact with triangles, and with the sides and corners that these share.
+    def strips(self, faced: Faced) -> tuple[Strips, Strips, Strips]:
+        """Parts that touch triangles, and the sides and corners that these share.
 
         Their stiffness is that of the secant. What counts as often with one sign as with the other is left
         out. Valid until the next call.
@@ -68,10 +68,10 @@ class Loops(Protocol):
     def segment_distances(self, x: FloatArray, nodes: IntArray) -> FloatArray:
         """Distances of lines from segments, nodes (P, 4) [m], shape (P,)."""
 
-    def segment_points(
+    def segment_strips(
         self, x: FloatArray, nodes: IntArray, rows: IntArray, reach: FloatArray, factor: FloatArray
-    ) -> Points:
-        """Points of contact of lines with segments, by the row of each; valid until the next call.
+    ) -> Strips:
+        """Parts of lines that touch segments, by the row of each; valid until the next call.
 
         Args:
             x: Nodes.
@@ -81,9 +81,9 @@ class Loops(Protocol):
             factor: Of these, stiffness times rest length times sign [N/m], shape (K,).
         """
 
-    def vertex_points(
+    def vertex_strips(
         self, x: FloatArray, nodes: IntArray, rows: IntArray, reach: FloatArray, factor: FloatArray
-    ) -> Points:
+    ) -> Strips:
         """The same with vertices, nodes (S, 3)."""
 
     def safe_way(

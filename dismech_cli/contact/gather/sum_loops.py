@@ -9,9 +9,9 @@ import numpy as np
 
 from ...arrays import BoolArray, FloatArray, IntArray
 from ...geometry.kernel import loop
-from ...geometry.vectors import Vector, dot, self_outer
+from ...geometry.vectors import dot, self_outer
 from ..law.quadrature import second_derivative
-from .slot_loops import SKIPPED
+from .scatter_loops import add_above, add_even, add_in_space, add_odd, join, unpack
 
 
 @loop
@@ -38,105 +38,6 @@ def add_weighted(
             for m in range(n * d):
                 r[dofs[item[k], m]] += total[m]
                 total[m] = 0.0
-
-
-@loop
-def _add_even(
-    slots: IntArray, flipped: BoolArray, row: int, n: int, total: FloatArray, values: FloatArray
-) -> None:
-    """Add blocks (n (n + 1) / 2, d, d) of pairs of nodes of an item that is not odd."""
-    d, m = total.shape[1], 0
-    for i in range(n):
-        for j in range(i, n):
-            if slots[row, m * d] != SKIPPED:
-                for a in range(d):
-                    first = a if i == j else 0
-                    begin = slots[row, m * d + a]
-                    for b in range(first, d):
-                        entry = total[m, b, a] if flipped[row, m] else total[m, a, b]
-                        values[begin + np.uint32(b - first)] += entry
-            m += 1
-
-
-@loop
-def _add_odd(entries: IntArray, place: int, n: int, total: FloatArray, values: FloatArray) -> None:
-    """The same of an item that is odd, entry by entry."""
-    d, k, first = total.shape[1], 0, 0
-    for i in range(n):
-        for a in range(d):
-            for j in range(i, n):
-                for b in range(a if i == j else 0, d):
-                    values[entries[place, k]] += total[first + j - i, a, b]
-                    k += 1
-        first += n - i
-
-
-@loop
-def _add_in_space(slots: IntArray, row: int, n: int, total: FloatArray, values: FloatArray) -> None:
-    """Add packed symmetric blocks of pairs of nodes of an item that is not odd; space has three axes."""
-    m = 0
-    for i in range(n):
-        for j in range(i, n):
-            # unsigned all along: numbers that might be negative are looked at before they are used
-            first, second, third = slots[row, 3 * m], slots[row, 3 * m + 1], slots[row, 3 * m + 2]
-            if first != SKIPPED:
-                if i != j:
-                    values[second] += total[m, 1]
-                    values[third] += total[m, 2]
-                    values[third + np.uint32(1)] += total[m, 4]
-                    second += np.uint32(1)
-                    third += np.uint32(2)
-                values[first] += total[m, 0]
-                values[first + np.uint32(1)] += total[m, 1]
-                values[first + np.uint32(2)] += total[m, 2]
-                values[second] += total[m, 3]
-                values[second + np.uint32(1)] += total[m, 4]
-                values[third] += total[m, 5]
-            m += 1
-
-
-@loop
-def _add_above(slots: IntArray, row: int, n: int, flat: FloatArray, up: Vector, values: FloatArray) -> None:
-    """Add factors (n (n + 1) / 2,) of pairs of nodes times n n^T of a normal; see :func:`_add_in_space`."""
-    xx, xy, xz, yy, yz, zz = self_outer(up)
-    m = 0
-    for i in range(n):
-        for j in range(i, n):
-            first, second, third = slots[row, 3 * m], slots[row, 3 * m + 1], slots[row, 3 * m + 2]
-            if first != SKIPPED:
-                level = flat[m]
-                if i != j:
-                    values[second] += level * xy
-                    values[third] += level * xz
-                    values[third + np.uint32(1)] += level * yz
-                    second += np.uint32(1)
-                    third += np.uint32(2)
-                values[first] += level * xx
-                values[first + np.uint32(1)] += level * xy
-                values[first + np.uint32(2)] += level * xz
-                values[second] += level * yy
-                values[second + np.uint32(1)] += level * yz
-                values[third] += level * zz
-            m += 1
-
-
-@loop
-def _join(flat: FloatArray, up: Vector, total: FloatArray) -> None:
-    """Add factors of pairs of nodes times n n^T of a normal to packed blocks."""
-    square = self_outer(up)
-    for m in range(len(flat)):
-        for q in range(6):
-            total[m, q] += flat[m] * square[q]
-
-
-@loop
-def _unpack(axes: IntArray, packed: FloatArray, total: FloatArray) -> None:
-    """Write the entries that the model has of packed symmetric blocks (K, 6) as blocks (K, d, d)."""
-    for m in range(len(packed)):
-        for a in range(len(axes)):
-            for b in range(len(axes)):
-                low, high = min(axes[a], axes[b]), max(axes[a], axes[b])
-                total[m, a, b] = packed[m, 3 * low - low * (low - 1) // 2 + high - low]
 
 
 @loop
@@ -221,18 +122,18 @@ def add_squares(
                     force[i, a] = 0.0
                 push[i] = 0.0
             if above and not beside and d == 3 and odd[row] < 0:
-                _add_above(slots, row, n, flat, up, values)
+                add_above(slots, row, n, flat, up, values)
             else:
                 if above:
-                    _join(flat, up, total)
+                    join(flat, up, total)
                 if d == 3 and odd[row] < 0:
-                    _add_in_space(slots, row, n, total, values)
+                    add_in_space(slots, row, n, total, values)
                 else:
-                    _unpack(axes, total, blocks)
+                    unpack(axes, total, blocks)
                     if odd[row] < 0:
-                        _add_even(slots, flipped, row, n, blocks, values)
+                        add_even(slots, flipped, row, n, blocks, values)
                     else:
-                        _add_odd(entries, odd[row], n, blocks, values)
+                        add_odd(entries, odd[row], n, blocks, values)
                 for m in range(len(total)):
                     for q in range(6):
                         total[m, q] = 0.0
@@ -302,9 +203,9 @@ def add_hessians(
                     r[dofs[row, i * d + a]] += force[i, a]
                     force[i, a] = 0.0
             if odd[row] < 0:
-                _add_even(slots, flipped, row, n, total, values)
+                add_even(slots, flipped, row, n, total, values)
             else:
-                _add_odd(entries, odd[row], n, total, values)
+                add_odd(entries, odd[row], n, total, values)
             total[:] = 0.0
 
 
@@ -334,9 +235,9 @@ def add_upper_blocks(
                 m += 1
         if k + 1 == len(item) or item[k + 1] != item[k]:
             if odd[item[k]] < 0:
-                _add_even(slots, flipped, item[k], n, total, values)
+                add_even(slots, flipped, item[k], n, total, values)
             else:
-                _add_odd(entries, odd[item[k]], n, total, values)
+                add_odd(entries, odd[item[k]], n, total, values)
             total[:] = 0.0
 
 

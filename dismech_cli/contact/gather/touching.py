@@ -8,33 +8,51 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
+from ..law.between import Between
 from ..points.points import Points
+from ..points.strips import Strips
 from .stencils import Stencils
 
 
 @dataclass(frozen=True, slots=True)
 class Touching:
-    """Points of contact of one kind of items.
+    """What touches of one kind of items.
 
     Attributes:
         kind: Number of the kind among those of its source.
         stencils: Nodes of its items.
-        points: The points.
-        friction: Coefficient at each point, shape (K,).
+        strips: Parts of lines that touch, with points of contact on them.
+        between: What the bodies of the items are to each other.
         moving: Gives the relative velocity at each point [m/s], shape (3, K): smooth contact never asks.
-        label: Number of the pair of bodies at each point, shape (K,).
-        sign: 1 where the line is of the first of that pair, else -1, shape (K,).
         lagged: Normal force that friction goes by [N], shape (K,); None for that of the points.
     """
 
     kind: int
     stencils: Stencils
-    points: Points
-    friction: FloatArray
+    strips: Strips
+    between: Between
     moving: Callable[[], FloatArray]
-    label: IntArray
-    sign: FloatArray
     lagged: FloatArray | None = None
+
+    @property
+    def points(self) -> Points:
+        """The points of contact."""
+        return self.strips.points
+
+    @property
+    def friction(self) -> FloatArray:
+        """Coefficient at each point, shape (K,)."""
+        return self.between.friction[self.points.item]
+
+    @property
+    def label(self) -> IntArray:
+        """Number of the pair of bodies at each point, shape (K,)."""
+        return self.between.labels[self.points.item]
+
+    @property
+    def sign(self) -> FloatArray:
+        """1 where the line is of the first of that pair, else -1, shape (K,)."""
+        return self.between.signs[self.points.item]
 
     @property
     def velocity(self) -> FloatArray:

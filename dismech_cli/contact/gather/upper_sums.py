@@ -11,7 +11,8 @@ from ...kernels.driver import Driver
 from ...kernels.linearization import Pattern
 from ..points.filled import Loop
 from ..points.points import Points
-from . import slot_loops, sum_loops
+from ..points.strips import Table
+from . import piece_sums, slot_loops, sum_loops
 from .stencils import BlockPlaces, Stencils
 from .touching import Touching
 
@@ -22,6 +23,8 @@ class UpperSums:
 
     squares: Loop
     hessians: Loop
+    piece_squares: Loop
+    piece_hessians: Loop
     blocks: Loop
     find_blocks: Loop
     find_upper: Loop
@@ -32,6 +35,8 @@ class UpperSums:
         names = (
             sum_loops.add_squares,
             sum_loops.add_hessians,
+            piece_sums.sum_squares,
+            piece_sums.sum_hessians,
             sum_loops.add_upper_blocks,
             slot_loops.find_blocks,
             slot_loops.find_upper,
@@ -69,10 +74,18 @@ class UpperLoops:
 
     def add_squares(self, touching: Touching, r: FloatArray, values: FloatArray) -> None:
         """Add dE/dq and what the second derivatives have along the gaps."""
-        self._add(self.loops.squares, touching.points, (), r, values)
+        strips = touching.strips
+        if strips.table is None or strips.curved:
+            self._add(self.loops.squares, touching.points, (), r, values)
+        else:
+            self._sum(self.loops.piece_squares, strips.table, r, values)
 
     def add_hessians(self, touching: Touching, r: FloatArray, values: FloatArray) -> None:
         """Add dE/dq and the second derivatives."""
+        table = touching.strips.table
+        if table is not None:
+            self._sum(self.loops.piece_hessians, table, r, values)
+            return
         p = touching.points
         self._add(self.loops.hessians, p, (p.identity, p.spread, p.bend), r, values)
 
@@ -88,6 +101,14 @@ class UpperLoops:
         self, loop: Loop, p: Points, more: tuple[FloatArray, ...], r: FloatArray, values: FloatArray
     ) -> None:
         """Add by a loop that takes places, points and more of them."""
+        points = (p.item, p.weights, p.gap, p.pull, p.along, p.axis, p.e)
+        loop(*self._places, *points, *more, r, values)
+
+    def _sum(self, loop: Loop, t: Table, r: FloatArray, values: FloatArray) -> None:
+        """Add by a loop that takes places and pieces."""
+        loop(*self._places, t.rows, t.piece_item, t.pieces, t.reach, t.factor, r, values)
+
+    @property
+    def _places(self) -> tuple[FloatArray | IntArray | BoolArray, ...]:
         at, items = self.places, self.stencils
-        places = (items.dofs, items.axes, at.slots, at.flipped, at.odd, at.entries)
-        loop(*places, p.item, p.weights, p.gap, p.pull, p.along, p.axis, p.e, *more, r, values)
+        return (items.dofs, items.axes, at.slots, at.flipped, at.odd, at.entries)

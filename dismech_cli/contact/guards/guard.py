@@ -68,24 +68,22 @@ class Guard:
         near = np.flatnonzero((seen.distance < self._stop.begin * seen.thickness) & among(seen.keys, placed))
         if not len(near):
             return
-        traits = self._all.traits(seen.keys[near])
-        stop = self._stop.least * traits.thickness
+        (stencils,), traits = self.stencils, self._traits
+        item = np.searchsorted(placed, seen.keys[near])
+        thickness = traits.thickness[item]
         points = barrier_points(
-            self._all.closest(np.ascontiguousarray(x[self._all.nodes(seen.keys[near])].transpose(1, 2, 0))),
-            stop,
-            (self._stop.begin - self._stop.least) * traits.thickness,
-            factor * traits.stiffness,
+            self._all.closest(np.ascontiguousarray(x[stencils.nodes[item]].transpose(1, 2, 0))),
+            self._stop.least * thickness,
+            (self._stop.begin - self._stop.least) * thickness,
+            factor * traits.stiffness[item],
         )
-        points = replace(convex(points), item=np.searchsorted(placed, seen.keys[near]))
-        (stencils,) = self.stencils
+        points = replace(convex(points), item=item)
         yield Touching(
             kind=0,
             stencils=stencils,
-            points=points,
-            friction=traits.friction,
+            strips=points,
+            between=traits.between,
             moving=lambda: stencils.relative(points, v),
-            label=traits.labels,
-            sign=traits.signs,
         )
 
     def velocities(self, touching: Touching, x: FloatArray, v: FloatArray, t: float) -> FloatArray:
@@ -129,3 +127,4 @@ class Guard:
     def _lay_out(self, keys: IntArray) -> None:
         """What pairs with these keys touch with."""
         self._stencils = (Stencils(self._all.map, self._all.nodes(keys)),)
+        self._traits = self._all.traits(keys)

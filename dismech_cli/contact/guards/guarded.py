@@ -10,6 +10,7 @@ import numpy as np
 from ...arrays import FloatArray, IntArray
 from ...kinematics.dofs import DofMap
 from ..drivers.loops import Loops
+from ..law.between import Between
 from ..nearby.candidates import among, distinct
 from ..nearby.faces import Faces
 from ..nearby.neighbours import Neighbours
@@ -25,16 +26,12 @@ class Traits:
     Attributes:
         thickness: Distance at which they touch [m], shape (K,).
         stiffness: k at factor one [N/m], shape (K,).
-        friction: Coefficients, shape (K,).
-        labels: Numbers of the pairs of bodies, shape (K,).
-        signs: 1 where the first is of the first of these, else -1, shape (K,).
+        between: What their bodies are to each other.
     """
 
     thickness: FloatArray
     stiffness: FloatArray
-    friction: FloatArray
-    labels: IntArray
-    signs: FloatArray
+    between: Between
 
 
 class Pairing(Protocol):
@@ -132,8 +129,7 @@ class RodEdges:
         every, pairs = self.all, self.all.pairs(keys)
         one, other = every.lines.bodies[pairs].T
         stiff = (every.stiffness * every.lines.lengths)[pairs].max(axis=1)
-        labels = every.labels[one, other]
-        return Traits(every.reach(pairs), stiff, every.friction[one, other], labels, every.signs[one, other])
+        return Traits(every.reach(pairs), stiff, every.between(one, other))
 
 
 @dataclass(frozen=True, slots=True)
@@ -209,8 +205,7 @@ class SheetEdges:
         stiff = (lines.lengths * lines.weights)[pairs]
         # rods come first, and never are what is faced
         scale = every.stiffness[one, other] * stiff.max(axis=1)
-        labels = every.labels[one, other]
-        return Traits(self.reach(keys), scale, every.friction[one, other], labels, every.signs[one, other])
+        return Traits(self.reach(keys), scale, every.between(one, other))
 
     def _pairs(self, keys: IntArray) -> IntArray:
         return np.stack(np.divmod(keys, len(self.all.lines.nodes)), axis=1)
@@ -291,14 +286,7 @@ class SheetNodes:
         every, (node, face) = self.all, self._pairs(keys)
         pairs = np.column_stack((self.ends[node], face))
         one, other = every.bodies(pairs)
-        labels = every.labels[one, other]
-        return Traits(
-            self.reach(keys),
-            every.factor(pairs),
-            every.friction[one, other],
-            labels,
-            every.signs[one, other],
-        )
+        return Traits(self.reach(keys), every.factor(pairs), every.between(one, other))
 
     def _pairs(self, keys: IntArray) -> tuple[IntArray, IntArray]:
         node, face = np.divmod(keys, len(self.all.surface.nodes))

@@ -65,7 +65,7 @@ class Guarding:
             keys = pairing.search(x, 0.0)
             at, traits = pairing.nodes(keys), pairing.traits(keys)
             nodes.append(at[:, 0])
-            labels.append(traits.labels)
+            labels.append(traits.between.labels)
             distances.append(pairing.closest(np.ascontiguousarray(x[at].transpose(1, 2, 0))).distance)
             least.append(self.stop.least * traits.thickness)
         for wall in self.walls:

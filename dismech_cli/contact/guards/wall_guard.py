@@ -57,11 +57,9 @@ class WallGuard:
         yield Touching(
             kind=0,
             stencils=self.stencils[0],
-            points=points,
-            friction=wall.friction[line],
+            strips=points,
+            between=wall.between,
             moving=lambda: wall.velocities(points, x, v, t),
-            label=wall.labels[line],
-            sign=np.ones(len(line)),
         )
 
     def velocities(self, touching: Touching, x: FloatArray, v: FloatArray, t: float) -> FloatArray:

@@ -8,6 +8,7 @@ import numpy as np
 
 from ...arrays import FloatArray, IntArray
 from ...kinematics.dofs import DofMap
+from ..law.between import Between
 from ..pieces.facing_triangle import features
 from ..pieces.lines import Lines
 from ..pieces.pieces import Pieces
@@ -60,6 +61,10 @@ class Faces:
     def bodies(self, pairs: IntArray) -> tuple[IntArray, IntArray]:
         """Body of the line and of the triangle of each pair, shapes (P,)."""
         return self.lines.bodies[pairs[:, 0]], self.surface.bodies[pairs[:, 1]]
+
+    def between(self, one: IntArray, other: IntArray) -> Between:
+        """What bodies (K,) are to each other."""
+        return Between(self.friction[one, other], self.labels[one, other], self.signs[one, other])
 
     def thickness(self, pairs: IntArray) -> FloatArray:
         """Half the thickness of both together [m], shape (P,)."""

@@ -13,6 +13,7 @@ import numpy as np
 
 from ...arrays import FloatArray, IntArray
 from ...kinematics.dofs import DofMap
+from ..law.between import Between
 from ..pieces.cores import beside
 from ..pieces.lines import Lines
 from .candidates import Boxes, among, near_among
@@ -70,6 +71,10 @@ class Neighbours:
             place = np.minimum(np.searchsorted(self.tight, keys), len(self.tight) - 1)
             reach = np.where(self.tight[place] == keys, self.tight_reach[place], reach)
         return np.asarray(reach)
+
+    def between(self, one: IntArray, other: IntArray) -> Between:
+        """What bodies (K,) are to each other."""
+        return Between(self.friction[one, other], self.labels[one, other], self.signs[one, other])
 
     def distances(self, x: FloatArray, pairs: IntArray) -> FloatArray:
         """Distances of pairs of lines at nodes (N, 3) [m], shape (P,)."""

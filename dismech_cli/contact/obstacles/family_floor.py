@@ -36,6 +36,7 @@ class FamilyFloor:
         self._nodes, first = np.unique(ends, return_index=True)
         self._line, at = np.divmod(first, 2)
         self._ends = np.stack((1.0 - at, at.astype(np.float64)))
+        self._between = wall.between.some(self._line)
         self._radii = wall.lines.radii[self._line]
         self.stencils: tuple[Stencils, ...] = (Stencils(wall.map, wall.lines.nodes[self._line]),)
         self.steady = wall.obstacle.pose.still
@@ -59,16 +60,13 @@ class FamilyFloor:
         points = self._points(x, t)
         if not len(points.item):
             return
-        line = self._line[points.item]
-        on_lines = replace(points, item=line)
+        on_lines = replace(points, item=self._line[points.item])
         yield Touching(
             kind=0,
             stencils=self.stencils[0],
-            points=points,
-            friction=self._wall.friction[line],
+            strips=points,
+            between=self._between,
             moving=lambda: self._wall.velocities(on_lines, x, v, t),
-            label=self._wall.labels[line],
-            sign=np.ones(len(line)),
             lagged=self._loads.of(self._nodes[points.item]),
         )
 

@@ -50,7 +50,10 @@ class NearWall:
         touching = near.touching(x, v, t, factor)
         points = touching.points
         yield replace(
-            touching, stencils=self.stencils[0], points=replace(points, item=self._rows[points.item])
+            touching,
+            stencils=self.stencils[0],
+            strips=replace(points, item=self._rows[points.item]),
+            between=self._wall.between,
         )
 
     def velocities(self, touching: Touching, x: FloatArray, v: FloatArray, t: float) -> FloatArray:

@@ -11,6 +11,7 @@ from ...kinematics.dofs import DofMap
 from ..gather.source import Depths
 from ..gather.stencils import Stencils
 from ..gather.touching import Touching
+from ..law.between import Between
 from ..law.stiffness import asked_for, impact_force
 from ..nearby.advance import longest_way
 from ..pieces.lines import Lines
@@ -34,6 +35,7 @@ class Wall:
         labels: Number of the pair of bodies of each line, shape (S,).
         map: Numbering of the DOFs.
         stencils: The two nodes of each line.
+        between: What each line is to the obstacle.
     """
 
     obstacle: Obstacle
@@ -44,9 +46,12 @@ class Wall:
     labels: IntArray
     map: DofMap
     stencils: tuple[Stencils, ...] = field(init=False, repr=False, compare=False)
+    between: Between = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "stencils", (Stencils(self.map, self.lines.nodes),))
+        between = Between(self.friction, self.labels, np.ones(len(self.labels)))
+        object.__setattr__(self, "between", between)
 
     def touching(self, x: FloatArray, v: FloatArray, t: float, factor: float) -> Touching:
         """Points of contact."""
@@ -57,11 +62,9 @@ class Wall:
         return Touching(
             kind=0,
             stencils=self.stencils[0],
-            points=points,
-            friction=self.friction[points.item],
+            strips=points,
+            between=self.between,
             moving=lambda: self.velocities(points, x, v, t),
-            label=self.labels[points.item],
-            sign=np.ones(len(points.item)),
         )
 
     def velocities(self, points: Points, x: FloatArray, v: FloatArray, t: float) -> FloatArray:

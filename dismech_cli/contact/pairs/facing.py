@@ -11,7 +11,7 @@ from ...arrays import FloatArray, IntArray
 from ..drivers.loops import Near
 from ..nearby.faces import Faces
 from ..pieces.surface import Faced, Junctions, Shared
-from ..points.points import Points
+from ..points.strips import Strips
 
 # Thicknesses that differ by less than that of a file in single precision are alike.
 _DIGITS = 6
@@ -34,8 +34,12 @@ class Facing:
     pairs: IntArray
     nodes: IntArray
     junctions: Junctions
+    _every: IntArray = field(init=False, repr=False, compare=False)
     # of the pairs last asked for, which seldom change from one trial point to the next
     _last: list[Shared] = field(init=False, repr=False, compare=False, default_factory=list)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "_every", np.arange(len(self.keys)))
 
     @classmethod
     def of(cls, faces: Faces, keys: IntArray) -> Facing:
@@ -47,30 +51,28 @@ class Facing:
         junctions = Junctions.of(numbers, nodes[:, :2], nodes[:, 2:], _levels(faces, pairs[:, 1]))
         return cls(faces, keys, pairs, nodes, junctions)
 
-    def points(
+    def strips(
         self, near: Near, which: IntArray, rows: IntArray, reach: FloatArray, factor: FloatArray
-    ) -> Iterator[tuple[int, Points, IntArray]]:
-        """Points of contact by kind: with triangles, sides and corners; and a pair that each belongs to.
+    ) -> Iterator[tuple[int, Strips, IntArray]]:
+        """What touches by kind: triangles, sides and corners; and a pair that each item belongs to.
 
         Args:
             near: Lines and triangles that were measured.
             which: Those of them within reach, shape (K,).
             rows: Where these pairs are among all, ascending, shape (K,).
-            reach: Of these [m], shape (K,).
-            factor: Stiffness times rest length of these [N/m], shape (K,).
+            reach: Of all pairs [m], shape (P,).
+            factor: Stiffness times rest length of all pairs [N/m], shape (P,).
         """
         if not len(rows):
             return
         if not (self._last and np.array_equal(self._last[0].rows, rows)):
             self._last[:] = [Shared.of(self.junctions, rows)]
         (shared,) = self._last
-        full_reach, full_factor = np.zeros((2, len(self.keys)))
-        full_reach[rows], full_factor[rows] = reach, factor
-        faced = Faced(which, self.nodes, full_reach, full_factor, self.junctions, shared)
-        triangles, sides, corners = near.points(faced)
-        yield 0, triangles, triangles.item
-        for kind, points, of in ((1, sides, shared.side_owner), (2, corners, shared.corner_owner)):
-            yield kind, points, of[points.item]
+        faced = Faced(which, self.nodes, reach, factor, self.junctions, shared)
+        triangles, sides, corners = near.strips(faced)
+        yield 0, triangles, self._every
+        yield 1, sides, shared.side_owner
+        yield 2, corners, shared.corner_owner
 
 
 def _kinds(faces: Faces, triangles: IntArray) -> IntArray:

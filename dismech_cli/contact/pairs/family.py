@@ -86,16 +86,14 @@ class FamilyPairs:
         keys, points = self._touching(x)
         if not len(keys):
             return
-        traits, stencils = self._all.traits(keys), self._stencils[0]
+        stencils = self._stencils[0]
         points = replace(points, item=np.searchsorted(self._placed.keys, keys))
         yield Touching(
             kind=0,
             stencils=stencils,
-            points=points,
-            friction=traits.friction,
+            strips=points,
+            between=self._between,
             moving=lambda: stencils.relative(points, v),
-            label=traits.labels,
-            sign=traits.signs,
             lagged=self._loads.of(keys),
         )
 
@@ -114,7 +112,7 @@ class FamilyPairs:
         near = np.flatnonzero(seen.closest.distance < seen.touch)
         keys, touch = seen.keys[near], seen.touch[near]
         shares = (touch - seen.closest.distance[near]) / touch
-        return Depths(self._all.lines(keys), shares, self._all.traits(keys).labels)
+        return Depths(self._all.lines(keys), shares, self._all.traits(keys).between.labels)
 
     def needed(self, x: FloatArray, ahead: FloatArray, t: float, dt: float, tolerance: float) -> float:
         """Nothing: the stiffness is given."""
@@ -164,6 +162,7 @@ class FamilyPairs:
     def _lay_out(self, keys: IntArray) -> None:
         """What pairs with these keys touch with."""
         self._stencils = (Stencils(self._all.map, self._all.nodes(keys)),)
+        self._between = self._all.traits(keys).between
 
 
 def _farthest(way: FloatArray) -> float:

@@ -13,6 +13,7 @@ from ...model.term import Memory
 from ..gather.source import Depths
 from ..gather.stencils import Stencils
 from ..gather.touching import Touching
+from ..law.between import Between
 from ..law.levels import from_here_on, of_next, shared
 from ..law.stiffness import asked_for, impact_force
 from ..nearby.candidates import among
@@ -64,14 +65,14 @@ class Active:
     Attributes:
         kind: Their kind.
         rows: The rows, ascending, shape (K,).
-        owners: The pair that owns each, shape (K,).
+        between: What the bodies of each of all rows are to each other.
         reach: Distance at which they touch [m], shape (K,).
         scale: Stiffness times rest length times sign, at factor one [N/m], shape (K,).
     """
 
     kind: int
     rows: IntArray
-    owners: IntArray
+    between: Between
     reach: FloatArray
     scale: FloatArray
 
@@ -117,7 +118,7 @@ class RodPairs:
         rows, count = self._rows, len(self._placed.keys)
         both = np.concatenate((active, active + count))
         reach, stiff = self._reach, self._stiff
-        yield Active(0, both, both, reach[both], stiff[both])
+        yield Active(0, both, self._between, reach[both], stiff[both])
         met = rows.meeting[both].reshape(-1)
         sides = from_here_on(np.bincount(met[met >= 0], minlength=len(rows.corners)), rows.until)
         over = np.maximum(sides - 1, 0)
@@ -129,7 +130,7 @@ class RodPairs:
         last = np.zeros(len(rows.corners), dtype=np.int64)
         last[met[met >= 0]] = np.repeat(both, 2)[met >= 0]
         own = last[corners]
-        yield Active(1, corners, own, reach[own], -over[corners] * stiff[own])
+        yield Active(1, corners, self._between.some(last), reach[own], -over[corners] * stiff[own])
 
     def velocities(self, touching: Touching, x: FloatArray, v: FloatArray, t: float) -> FloatArray:
         """Relative velocities at points of contact [m/s], shape (3, K)."""
@@ -167,9 +168,9 @@ class RodPairs:
         directed = np.concatenate((pairs, pairs[:, ::-1]))
         # of lines so thick that they are as deep as they may be
         reach = np.tile(now + depth, 2)
-        points = self._loops.segment_points(
+        points = self._loops.segment_strips(
             x, every.nodes(directed), np.arange(len(directed)), reach, every.factors(directed)
-        )
+        ).points
         held = np.zeros(len(pairs))
         np.add.at(held, points.item % len(pairs), points.load)
         first, second = lines.bodies[pairs].T
@@ -196,21 +197,17 @@ class RodPairs:
         self._reach = np.tile(touch, 2)
         self._stiff = every.factors(rows.directed)
         first, second = lines.bodies[rows.directed].T
-        self._friction = every.friction[first, second]
-        self._labels, self._signs = every.labels[first, second], every.signs[first, second]
+        self._between = every.between(first, second)
 
     def _touching(self, one: Active, factor: float, x: FloatArray, v: FloatArray) -> Touching:
         """Points of contact of some rows."""
         stencils = self._stencils[one.kind]
-        find = (self._loops.segment_points, self._loops.vertex_points)[one.kind]
-        points = find(x, stencils.nodes, one.rows, one.reach, factor * one.scale)
-        of = one.owners[np.searchsorted(one.rows, points.item)]
+        find = (self._loops.segment_strips, self._loops.vertex_strips)[one.kind]
+        strips = find(x, stencils.nodes, one.rows, one.reach, factor * one.scale)
         return Touching(
             kind=one.kind,
             stencils=stencils,
-            points=points,
-            friction=self._friction[of],
-            moving=lambda: stencils.relative(points, v),
-            label=self._labels[of],
-            sign=self._signs[of],
+            strips=strips,
+            between=one.between,
+            moving=lambda: stencils.relative(strips.points, v),
         )

@@ -13,9 +13,11 @@ from ...model.term import Memory
 from ..gather.source import Depths
 from ..gather.stencils import Stencils
 from ..gather.touching import Touching
+from ..law.between import Between
 from ..law.stiffness import asked_for, impact_force
 from ..nearby.candidates import among
 from ..nearby.placed import Placed
+from ..points.strips import Strips
 from .facing import Facing
 from .surface_search import MARGIN, Candidates, FaceSearch, Seen
 
@@ -29,6 +31,7 @@ class SurfacePairs:
     """Finds lines that touch triangles of shells; implements :class:`.source.Source`."""
 
     steady = True
+    _lent: dict[int, tuple[IntArray, Between]]
 
     def __init__(self, search: FaceSearch) -> None:
         """Find none yet."""
@@ -58,17 +61,14 @@ class SurfacePairs:
         rows = self._rows(seen)
         which = np.flatnonzero((seen.distance < seen.reach) & (rows >= 0))
         rows = rows[which]
-        scale = factor * self._scale[rows]
-        for kind, points, owner in facing.points(seen.near, which, rows, seen.reach[which], scale):
+        for kind, strips, of in facing.strips(seen.near, which, rows, self._reach, factor * self._scale):
             stencils = self._stencils[kind]
             yield Touching(
                 kind=kind,
                 stencils=stencils,
-                points=points,
-                friction=self._friction[owner],
-                moving=partial(stencils.relative, points, v),
-                label=self._labels[owner],
-                sign=self._signs[owner],
+                strips=strips,
+                between=self._shared(kind, of),
+                moving=partial(_relative, stencils, strips, v),
             )
 
     def velocities(self, touching: Touching, x: FloatArray, v: FloatArray, t: float) -> FloatArray:
@@ -122,8 +122,9 @@ class SurfacePairs:
         rows = np.arange(len(inside))
         held = np.zeros(len(every.lines.nodes))
         scale = every.factor(facing.pairs)
-        for _, points, owner in facing.points(near, inside, rows, reach[inside], scale):
-            np.add.at(held, facing.pairs[owner, 0], points.load)
+        for _, strips, owner in facing.strips(near, inside, rows, reach[inside], scale):
+            points = strips.points
+            np.add.at(held, facing.pairs[owner[points.item], 0], points.load)
         # where a side takes off all that a line faces, it holds what it would if it stood on its end
         upright = every.factor(pairs) * depth**2 / every.lines.lengths[pairs[:, 0]]
         least = np.full(len(lines), np.inf)
@@ -146,13 +147,24 @@ class SurfacePairs:
             self._known = candidates, placed, rows
         return np.asarray(self._known[2][seen.near.kept])
 
+    def _shared(self, kind: int, of: IntArray) -> Between:
+        """What the bodies of the items of a kind are to each other, which belong to some pairs."""
+        if kind not in self._lent or self._lent[kind][0] is not of:
+            self._lent[kind] = of, self._between.some(of)
+        return self._lent[kind][1]
+
     def _lay_out(self, keys: IntArray) -> None:
         """What pairs with these keys touch with."""
         self._facing = Facing.of(self._all, keys)
         every, junctions = self._all, self._facing.junctions
-        self._scale = every.factor(self._facing.pairs)
-        line, face = every.bodies(self._facing.pairs)
-        self._friction, self._labels = every.friction[line, face], every.labels[line, face]
-        self._signs = every.signs[line, face]
+        pairs = self._facing.pairs
+        self._reach, self._scale = every.reach(pairs), every.factor(pairs)
+        self._between = every.between(*every.bodies(pairs))
+        self._lent = {}
         kinds = (self._facing.nodes, junctions.sides, junctions.corners)
         self._stencils = tuple(Stencils(self._all.map, nodes) for nodes in kinds)
+
+
+def _relative(stencils: Stencils, strips: Strips, v: FloatArray) -> FloatArray:
+    """Velocities of lines against what they face at points of contact [m/s], shape (3, K)."""
+    return stencils.relative(strips.points, v)

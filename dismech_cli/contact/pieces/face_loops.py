@@ -220,8 +220,8 @@ def write_facing(
     pair: FloatArray,
     feature: int,
 ) -> None:
-    """Write a piece that faces a feature of a triangle, as a row of 28 columns; see :mod:`.line_loops`."""
-    for column in range(FACED, FACED + 15):
+    """Write a piece that faces a feature of a triangle, as a row of 19 columns; see :mod:`.line_loops`."""
+    for column in range(FACED, FACED + 6):
         table[k, column] = 0.0
     if feature == 0:
         write_piece(table, k, low, high, gap, turn, 0.0, 1.0, _row(pair, _NORMAL))
@@ -230,14 +230,11 @@ def write_facing(
             across = (i + 1) % 3
             table[k, FACED + i] = pair[_H0, across]
             table[k, FACED + 3 + i] = pair[_H1, across]
-            for a in range(3):
-                table[k, FACED + 6 + 3 * i + a] = pair[_INWARD + across, a]
     elif feature < 4:
         i = feature - 1
         u = _row(pair, _SIDE + i)
-        square = dot(u, u)
-        write_piece(table, k, low, high, gap, turn, 1.0, -1.0, scale(1.0 / np.sqrt(square), u))
-        write_segment(table, k, 3, i, feature % 3, pair[_T0, i], pair[_T1, i], u, square)
+        write_piece(table, k, low, high, gap, turn, 1.0, -1.0, scale(1.0 / np.sqrt(dot(u, u)), u))
+        write_segment(table, k, 3, i, feature % 3, pair[_T0, i], pair[_T1, i])
     else:
         write_piece(table, k, low, high, gap, turn, 1.0, 0.0, (0.0, 0.0, 0.0))
         table[k, FACED + feature - 4] = 1.0

@@ -52,7 +52,7 @@ def face_spans(
         sides_of: Shared side of each of the pairs, -1 if it is none, shape (P, 3).
         corners_of: Shared corners, likewise.
         item: Which of the K each piece is of, shape (10 K,).
-        table: The pieces, shape (10 K, 28).
+        table: The pieces, shape (10 K, 19).
         side: Group of each span of sides, shape (10 K,) or more.
         side_span: Its span, shape (10 K, 3) or more.
         corner: The same of corners.
@@ -202,7 +202,7 @@ def side_pieces(
         if high > low:
             item[count] = k
             write_piece(table, count, low, high, gap, turn, 1.0, -1.0, scale(1.0 / np.sqrt(square), u))
-            write_segment(table, count, 2, 0, 1, t0, t1, u, square)
+            write_segment(table, count, 2, 0, 1, t0, t1)
             count += 1
     return count
 
@@ -228,7 +228,6 @@ def corner_pieces(
             item[count] = k
             write_piece(table, count, low, high, gap, slope, 1.0, 0.0, (0.0, 0.0, 0.0))
             table[count, FACED] = 1.0
-            for column in range(FACED + 1, FACED + 5):
-                table[count, column] = 0.0
+            table[count, FACED + 1] = 0.0
             count += 1
     return count

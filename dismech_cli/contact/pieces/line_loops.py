@@ -1,8 +1,8 @@
 """Pieces of lines that are within reach of a segment or a vertex: loops that go through them one by one.
 
 What :mod:`.cores` and :mod:`.pieces` do in batches, for drivers that compile. A piece is a row of a table,
-with columns as named here, then the weights of the m nodes that are faced at s = 0, their slopes, and their
-gradients; see :class:`.pieces.Pieces`.
+with columns as named here, then the weights of the m nodes that are faced at s = 0 and their slopes, and,
+where curvature counts, their gradients; see :class:`.pieces.Pieces`.
 """
 
 from __future__ import annotations
@@ -27,7 +27,12 @@ FACED: Final = 13
 
 
 def piece_columns(faced: int) -> int:
-    """Columns of a table of pieces that face things of so many nodes."""
+    """Columns of a table of pieces that face things of so many nodes, without gradients."""
+    return FACED + 2 * faced
+
+
+def spread_columns(faced: int) -> int:
+    """The same with gradients."""
     return FACED + 5 * faced
 
 
@@ -84,17 +89,12 @@ def write_segment(
     second: Any,
     t0: Any,
     t1: Any,
-    u: Vector,
-    square: Any,
 ) -> None:
-    """Fill the columns of the nodes that are faced, beside a side u from the first to the second of them."""
+    """Fill weights and slopes of the nodes that are faced, beside a side from the first to the second."""
     table[k, FACED + first] = 1.0 - t0
     table[k, FACED + second] = t0
     table[k, FACED + faced + first] = -t1
     table[k, FACED + faced + second] = t1
-    for a in range(3):
-        table[k, FACED + 2 * faced + 3 * first + a] = -u[a] / square
-        table[k, FACED + 2 * faced + 3 * second + a] = u[a] / square
 
 
 @loop
@@ -188,7 +188,10 @@ def segment_pieces(
                         table, count, low, high, gap, turn, 1.0, -beside, scale(1.0 / np.sqrt(square), u)
                     )
                     if part == 2:
-                        write_segment(table, count, 2, 0, 1, t0, t1, u, square)
+                        write_segment(table, count, 2, 0, 1, t0, t1)
+                        for a in range(3):
+                            table[count, FACED + 4 + a] = -u[a] / square
+                            table[count, FACED + 7 + a] = u[a] / square
                     else:
                         for column in range(FACED, FACED + 10):
                             table[count, column] = 0.0

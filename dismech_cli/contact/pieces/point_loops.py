@@ -29,7 +29,7 @@ def fill_points(
     Args:
         rows: Items that were looked at, shape (K,).
         piece_item: Which of these each piece is of, shape (at least P,).
-        table: The pieces, shape (at least P, 13 + 5 m).
+        table: The pieces, shape (at least P, 13 + 2 m), or 13 + 5 m with gradients.
         reach: H of the items [m], shape (K,).
         factor: Stiffness times rest length times sign of these [N/m], shape (K,).
         item: Item of each point, shape (3 P,).

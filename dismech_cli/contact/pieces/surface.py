@@ -138,8 +138,8 @@ class Faced:
     Attributes:
         which: Which of those that were measured, shape (K,).
         nodes: Of all that may face each other, shape (P, 5).
-        reach: Of all, set for the K [m], shape (P,).
-        factor: Stiffness times rest length, set for the K [N/m], shape (P,).
+        reach: Of all [m], shape (P,).
+        factor: Stiffness times rest length of all [N/m], shape (P,).
         junctions: Of all.
         shared: Of the K.
     """

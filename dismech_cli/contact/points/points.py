@@ -59,6 +59,21 @@ class Points:
     e: FloatArray
     turn: FloatArray
 
+    @property
+    def points(self) -> Points:
+        """Themselves; implements :class:`.strips.Strips`."""
+        return self
+
+    @property
+    def table(self) -> None:
+        """None."""
+        return None
+
+    @property
+    def curved(self) -> bool:
+        """Whether their stiffness is more than that along the gaps."""
+        return bool(self.bend.any())
+
     def gradients(self) -> FloatArray:
         """dE/dx of the nodes [N], shape (n, 3, K)."""
         force: FloatArray = self.weights[:, None] * (self.pull * self.gap)

@@ -11,8 +11,8 @@ from ...kernels.driver import Driver
 from ..pieces import junction_loops, line_loops, point_loops
 from ..pieces.face_loops import MOST_PIECES
 from ..pieces.surface import Faced
-from .filled import Filler, Loop
-from .points import Points
+from .filled import Filler, Laid, Loop
+from .strips import Strips, Table
 
 
 class SurfaceLoops:
@@ -38,18 +38,18 @@ class SurfaceLoops:
         found = [one for one in loops if one is not None]
         return None if fill is None or len(found) < len(loops) else cls(found, fill)
 
-    def points(self, x: FloatArray, faced: Faced) -> tuple[Points, Points, Points]:
-        """See :meth:`.loops.Near.points`."""
+    def strips(self, x: FloatArray, faced: Faced) -> tuple[Strips, Strips, Strips]:
+        """See :meth:`.loops.Near.strips`."""
         j = faced.junctions
         self._grow(MOST_PIECES * len(faced.rows) + 2 * len(j.sides) + len(j.corners))
         counts = np.zeros(3, dtype=np.int64)
         shared, rows = faced.shared, faced.rows
         reach, spans = faced.reach[rows], (*self._spans[0], *self._spans[1], counts)
         self._faces(
-            x, faced.nodes, rows, reach, j.sides_of, j.corners_of, self._item, self._tables[0], *spans
+            x, faced.nodes, rows, reach, j.sides_of, j.corners_of, self._items[0], self._tables[0], *spans
         )
         self._junctions(x, j.sides, shared.side_times, j.ends, shared.corner_times, *spans)
-        whole = self._fill[0](int(counts[0]), rows, self._item, self._tables[0], reach, faced.factor[rows])
+        whole = self._laid(0, int(counts[0]), rows, reach, faced.factor[rows])
         return (
             whole,
             self._shared(1, self._sides, x, j.sides, int(counts[1]), shared.side_owner, faced),
@@ -58,22 +58,27 @@ class SurfaceLoops:
 
     def _shared(
         self, kind: int, find: Loop, x: FloatArray, nodes: IntArray, count: int, owner: IntArray, faced: Faced
-    ) -> Points:
-        """Points with sides or corners."""
+    ) -> Strips:
+        """Parts that touch sides or corners."""
         group, span = self._spans[kind - 1]
         found = self._net(group, span, count, len(nodes), self._group, self._span)
         group, span = self._group[:found].copy(), self._span[:found]
         row = owner[group]
         reach, factor = faced.reach[row], faced.factor[row]
-        pieces = find(x, nodes, group, span, reach, self._item, self._tables[kind])
-        return self._fill[kind](pieces, group, self._item, self._tables[kind], reach, factor * span[:, 2])
+        pieces = find(x, nodes, group, span, reach, self._items[kind], self._tables[kind])
+        return self._laid(kind, pieces, group, reach, factor * span[:, 2])
+
+    def _laid(self, kind: int, count: int, rows: IntArray, reach: FloatArray, factor: FloatArray) -> Strips:
+        """The first pieces of a kind."""
+        item, pieces = self._items[kind][:count], self._tables[kind][:count]
+        return Laid(Table(rows, item, pieces, reach, factor), self._fill[kind])
 
     def _grow(self, capacity: int) -> None:
         """Make room for so many pieces or spans; pages that are never written cost nothing."""
         if capacity <= self._capacity:
             return
         self._capacity = size = 2 * capacity
-        self._item = np.empty(2 * size, dtype=np.int64)
+        self._items = tuple(np.empty(2 * size, dtype=np.int64) for _ in range(3))
         self._tables = tuple(np.empty((2 * size, line_loops.piece_columns(faced))) for faced in (3, 2, 1))
         self._spans = tuple((np.empty(size, dtype=np.int64), np.empty((size, 3))) for _ in range(2))
         self._group, self._span = np.empty(2 * size, dtype=np.int64), np.empty((2 * size, 3))
@@ -95,6 +100,6 @@ class Measured:
     distance: FloatArray
     loops: SurfaceLoops
 
-    def points(self, faced: Faced) -> tuple[Points, Points, Points]:
+    def strips(self, faced: Faced) -> tuple[Strips, Strips, Strips]:
         """Points of contact with triangles, and with the sides and corners that these share."""
-        return self.loops.points(self.x, faced)
+        return self.loops.strips(self.x, faced)
