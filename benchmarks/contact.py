@@ -125,7 +125,7 @@ class Bench:
             search._measured, search._asked = np.empty(0), None
         for guard in self.contacts._sources:
             if isinstance(guard, Guard):
-                guard._seen = None
+                guard._seen.clear()
         self.contacts._at = None
 
     def actions(self) -> Sequence[Callable[[], object]]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -17,25 +17,12 @@ from ..gather.touching import Touching
 from ..nearby.candidates import among
 from ..nearby.placed import Placed
 from ..nearby.searches import Nearby
+from ..nearby.seen import Seen
 from ..points.barrier import Stop, barrier_points, convex
 from .guarded import Pairing
 
 # How far beyond the barrier pairs get places in the matrix, in units of the distance at which they touch.
 _MARGIN: Final = 0.1
-
-
-@dataclass(frozen=True, slots=True)
-class _Seen:
-    """Pairs that may be near at some places of the nodes (N, 3)."""
-
-    x: FloatArray
-    keys: IntArray
-    thickness: FloatArray
-    distance: FloatArray
-
-    def within(self, share: float) -> IntArray:
-        """Keys of those nearer than a share of the distance at which they touch."""
-        return self.keys[self.distance < share * self.thickness]
 
 
 class Guard:
@@ -45,7 +32,7 @@ class Guard:
 
     def __init__(self, pairing: Pairing, stop: Stop, nearby: Nearby, loops: Loops) -> None:
         self._all, self._stop, self._nearby, self._loops = pairing, stop, nearby, loops
-        self._seen: _Seen | None = None
+        self._seen: dict[float, Seen] = {}
         self._placed = Placed(pairing.name, self._lay_out)
 
     def recall(self, memory: Memory) -> None:
@@ -54,22 +41,19 @@ class Guard:
 
     def memory(self, x: FloatArray) -> Memory:
         """The pairs that have places."""
-        return self._placed.memory(self._look(x).within(self._stop.begin + _MARGIN))
+        return self._placed.memory(self._around(x))
 
     def detect(self, x: FloatArray) -> bool:
         """Give places to all pairs nearby if one that touches has none."""
-        seen = self._look(x)
-        near = lambda: seen.within(self._stop.begin + _MARGIN)  # noqa: E731
-        return self._placed.detect(seen.within(self._stop.begin), near)
+        return self._placed.detect(self._within(x, self._stop.begin), lambda: self._around(x))
 
     def touching(self, x: FloatArray, v: FloatArray, t: float, factor: float) -> Iterator[Touching]:
         """Pairs within the barrier."""
-        seen, placed = self._look(x), self._placed.keys
-        near = np.flatnonzero((seen.distance < self._stop.begin * seen.thickness) & among(seen.keys, placed))
-        if not len(near):
+        keys, placed = self._within(x, self._stop.begin), self._placed.keys
+        item = np.searchsorted(placed, keys[among(keys, placed)])
+        if not len(item):
             return
         (stencils,), traits = self.stencils, self._traits
-        item = np.searchsorted(placed, seen.keys[near])
         thickness = traits.thickness[item]
         points = barrier_points(
             self._all.closest(np.ascontiguousarray(x[stencils.nodes[item]].transpose(1, 2, 0))),
@@ -113,16 +97,22 @@ class Guard:
         stop = self._stop.nearest * self._all.reach(keys)
         return self._loops.safe_way(x0, x1 - x0, self._all.spans(keys), stop, np.zeros(len(keys)))
 
-    def _look(self, x: FloatArray) -> _Seen:
-        """What is near; kept until other places are asked for."""
-        if self._seen is None or not np.array_equal(self._seen.x, x):
-            found = self._nearby.closer(x, self._stop.begin + _MARGIN)
+    def _around(self, x: FloatArray) -> IntArray:
+        """Keys of pairs within the barrier or a little beyond it."""
+        return self._within(x, self._stop.begin + _MARGIN)
+
+    def _within(self, x: FloatArray, share: float) -> IntArray:
+        """Keys of pairs nearer than a share of the distance at which they touch, ascending."""
+        seen = self._seen.get(share)
+        if seen is None or not seen.is_of(x):
+            found = self._nearby.closer(x, share)
             keys = self._all.parts(found) if len(found) else found
             nothing = np.empty(0)
-            thickness = self._all.reach(keys) if len(keys) else nothing
+            touch = self._all.reach(keys) if len(keys) else nothing
             distance = self._all.distances(x, keys, self._loops) if len(keys) else nothing
-            self._seen = _Seen(x.copy(), keys, thickness, distance)
-        return self._seen
+            # kept until other places are asked for
+            seen = self._seen[share] = Seen(x.copy(), keys, touch, distance)
+        return seen.nearer(share * seen.touch)
 
     def _lay_out(self, keys: IntArray) -> None:
         """What pairs with these keys touch with."""

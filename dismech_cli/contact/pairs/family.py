@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -18,6 +18,7 @@ from ..law.loads import Loads
 from ..nearby.advance import longest_way
 from ..nearby.candidates import among
 from ..nearby.placed import Placed
+from ..nearby.seen import Seen
 from ..points.barrier import Closest
 from ..points.points import Points
 from ..points.softplus import Softplus, pair_points
@@ -29,24 +30,11 @@ _MARGIN: Final = 1.0
 _NEAREST: Final = 0.5
 
 
-@dataclass(frozen=True, slots=True)
-class _Seen:
-    """Pairs that may be near at some places of the nodes (N, 3)."""
-
-    x: FloatArray
-    keys: IntArray
-    touch: FloatArray
-    closest: Closest
-
-    def within(self, more: float) -> IntArray:
-        """Keys of those nearer than what touches and ``more`` [m]."""
-        return self.keys[self.closest.distance < self.touch + more]
-
-
 class FamilyPairs:
     """Finds pairs of a kind; implements :class:`.source.Source`."""
 
     steady = True
+    _closest: Closest
 
     def __init__(self, pairing: Pairing, law: Softplus, loads: Loads) -> None:
         """Find none yet.
@@ -60,7 +48,7 @@ class FamilyPairs:
         self._skin = _SKIN * law.width
         self._searched: FloatArray | None = None
         self._candidates = np.empty(0, dtype=np.int64)
-        self._seen: _Seen | None = None
+        self._seen: Seen | None = None
         self._placed = Placed(pairing.name, self._lay_out)
 
     def recall(self, memory: Memory) -> None:
@@ -72,14 +60,14 @@ class FamilyPairs:
         """The pairs that have places, and what the friction of the next step goes by."""
         keys, points = self._touching(x)
         return {
-            **self._placed.memory(self._look(x).within((1.0 + _MARGIN) * self._law.width)),
+            **self._placed.memory(self._around(x, (1.0 + _MARGIN) * self._law.width)),
             **self._loads.memory(keys, points.load),
         }
 
     def detect(self, x: FloatArray) -> bool:
         """Give places to all pairs nearby if one that touches has none."""
-        seen, width = self._look(x), self._law.width
-        return self._placed.detect(seen.within(width), lambda: seen.within((1.0 + _MARGIN) * width))
+        width = self._law.width
+        return self._placed.detect(self._around(x, width), lambda: self._around(x, (1.0 + _MARGIN) * width))
 
     def touching(self, x: FloatArray, v: FloatArray, t: float, factor: float) -> Iterator[Touching]:
         """Pairs within the width of the law, whose stiffness is given: the factor is one."""
@@ -109,9 +97,9 @@ class FamilyPairs:
     def depths(self, x: FloatArray, t: float) -> Depths:
         """How much nearer pairs are than they touch."""
         seen = self._look(x)
-        near = np.flatnonzero(seen.closest.distance < seen.touch)
+        near = np.flatnonzero(seen.distance < seen.touch)
         keys, touch = seen.keys[near], seen.touch[near]
-        shares = (touch - seen.closest.distance[near]) / touch
+        shares = (touch - seen.distance[near]) / touch
         return Depths(self._all.lines(keys), shares, self._all.traits(keys).between.labels)
 
     def needed(self, x: FloatArray, ahead: FloatArray, t: float, dt: float, tolerance: float) -> float:
@@ -136,18 +124,23 @@ class FamilyPairs:
     def _touching(self, x: FloatArray) -> tuple[IntArray, Points]:
         """Keys of placed pairs within the width, ascending, and their points."""
         seen = self._look(x)
-        near = seen.closest.distance < seen.touch + self._law.width
+        near = seen.distance < seen.touch + self._law.width
         rows = np.flatnonzero(near & among(seen.keys, self._placed.keys))
-        return seen.keys[rows], pair_points(seen.closest.some(rows), seen.touch[rows], self._law)
+        return seen.keys[rows], pair_points(self._closest.some(rows), seen.touch[rows], self._law)
 
-    def _look(self, x: FloatArray) -> _Seen:
+    def _around(self, x: FloatArray, more: float) -> IntArray:
+        """Keys of pairs nearer than what touches and ``more`` [m]."""
+        seen = self._look(x)
+        return seen.nearer(seen.touch + more)
+
+    def _look(self, x: FloatArray) -> Seen:
         """What is near; kept until other places are asked for."""
-        if self._seen is None or not np.array_equal(self._seen.x, x):
+        if self._seen is None or not self._seen.is_of(x):
             self._search(x)
             keys = self._candidates
             nodes = self._all.nodes(keys)
-            closest = self._all.closest(np.ascontiguousarray(x[nodes].transpose(1, 2, 0)))
-            self._seen = _Seen(x.copy(), keys, self._touch, closest)
+            self._closest = self._all.closest(np.ascontiguousarray(x[nodes].transpose(1, 2, 0)))
+            self._seen = Seen(x.copy(), keys, self._touch, self._closest.distance)
         return self._seen
 
     def _search(self, x: FloatArray) -> None:
