@@ -10,9 +10,10 @@ import numpy as np
 from ..arrays import FloatArray
 from ..kernels.linearization import Linearization, Pattern
 from ..model.configuration import Configuration
-from .drivers.loops import Loops, Upper
+from .drivers.loops import Loops
 from .gather.stencils import Stencils
 from .gather.touching import Touching
+from .gather.upper import Sums
 from .law.rubbing import slip
 
 # Below this share of the speed over which friction grows it is all but linear.
@@ -45,11 +46,11 @@ class NormalTerm:
     name: ClassVar[str] = NORMAL
     shares: ClassVar[tuple[str, ...]] = (NORMAL,)
     symmetric: ClassVar[bool] = True
+    _places: Sums
 
     def __init__(self, found: Found, *, steady: bool) -> None:
         self.steady = steady
         self._found = found
-        self._places: list[Upper] = []
 
     @property
     def potential(self) -> NormalTerm:
@@ -58,9 +59,7 @@ class NormalTerm:
 
     def place(self, pattern: Pattern) -> None:
         """Look the slots of all items up."""
-        self._places = [
-            self._found.loops.symmetric_places(stencils, pattern) for stencils in self._found.stencils
-        ]
+        self._places = self._found.loops.sums(self._found.stencils, pattern)
 
     def heat(self, c: Configuration, v: FloatArray) -> float:
         """None."""
@@ -79,15 +78,11 @@ class NormalTerm:
 
     def add_linearization(self, c: Configuration, into: Linearization) -> None:
         """Add dE/dq and d2E/dq2."""
-        for touching in self._found.touching(c):
-            places = self._places[touching.kind]
-            add = places.add_hessians if touching.strips.curved else places.add_squares
-            add(touching, into.residual, into.stiffness)
+        self._places.add(self._found.touching(c), into.residual, into.stiffness)
 
     def add_convex_linearization(self, c: Configuration, into: Linearization) -> None:
         """Add dE/dq and what its Hessian has along the gaps (Gauss and Newton)."""
-        for touching in self._found.touching(c):
-            self._places[touching.kind].add_squares(touching, into.residual, into.stiffness)
+        self._places.add_convex(self._found.touching(c), into.residual, into.stiffness)
 
 
 class _Friction:

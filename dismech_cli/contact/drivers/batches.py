@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,6 +11,7 @@ from ...arrays import FloatArray, IntArray
 from ...kernels.linearization import Pattern
 from ..gather.stencils import GeneralPlaces, Stencils, SymmetricPlaces
 from ..gather.touching import Touching
+from ..gather.upper import Sums, finished
 from ..nearby.advance import longest_way
 from ..nearby.candidates import Boxes, near_among, near_boxes
 from ..nearby.faces import boxes_apart, face_distances, face_pieces
@@ -49,7 +51,7 @@ class Cut:
 
 @dataclass(frozen=True, slots=True)
 class UpperBatches:
-    """Sums to upper triangles; implements :class:`.loops.Upper`.
+    """Sums to upper triangles; implements :class:`.upper.Upper`.
 
     Attributes:
         stencils: The items.
@@ -139,6 +141,10 @@ class Batches:
     def face_distances(self, x: FloatArray, nodes: IntArray) -> FloatArray:
         """Distances of lines from triangles."""
         return face_distances(np.ascontiguousarray(x[nodes].transpose(1, 2, 0)))
+
+    def sums(self, stencils: Sequence[Stencils], pattern: Pattern) -> Sums:
+        """Places of items of all kinds."""
+        return Sums([self.symmetric_places(one, pattern) for one in stencils], finished)
 
     def symmetric_places(self, stencils: Stencils, pattern: Pattern) -> UpperBatches:
         """Places of the upper triangles of items."""

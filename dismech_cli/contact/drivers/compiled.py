@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,8 +11,10 @@ from ...arrays import FloatArray, IntArray
 from ...kernels.driver import Driver
 from ...kernels.linearization import Pattern
 from ..gather import slot_loops, sum_loops
+from ..gather.packed import PackedSums
 from ..gather.stencils import GeneralPlaces, Stencils
 from ..gather.touching import Touching
+from ..gather.upper import Sums, finished
 from ..gather.upper_sums import UpperLoops, UpperSums
 from ..nearby import way_loops
 from ..nearby.candidates import Boxes
@@ -30,6 +33,7 @@ class Compiled:
     surface: SurfaceLoops
     grid: Grid
     upper: UpperSums
+    packed: PackedSums
     distances: Loop
     ways: Loop
     to_faces: Loop
@@ -42,7 +46,8 @@ class Compiled:
     def of(cls, driver: Driver) -> Compiled | None:
         """The loops of a driver; None where it does not compile."""
         fill = driver.compiled(point_loops.fill_points)
-        surface, grid, upper = SurfaceLoops.of(driver), Grid.of(driver), UpperSums.of(driver)
+        surface, grid = SurfaceLoops.of(driver), Grid.of(driver)
+        upper, packed = UpperSums.of(driver), PackedSums.of(driver)
         names = (
             line_loops.segment_pieces,
             line_loops.vertex_pieces,
@@ -55,10 +60,11 @@ class Compiled:
             slot_loops.find_all,
         )
         loops = [made for one in names if (made := driver.compiled(one)) is not None]
-        if fill is None or surface is None or grid is None or upper is None or len(loops) < len(names):
+        if fill is None or surface is None or grid is None or upper is None or packed is None:
             return None
         segments, vertices, *others = loops
-        return cls(StripsOf(segments, fill, 2), StripsOf(vertices, fill, 1), surface, grid, upper, *others)
+        strips = StripsOf(segments, fill, 2), StripsOf(vertices, fill, 1)
+        return cls(*strips, surface, grid, upper, packed, *others)
 
     def near_among(self, boxes: Boxes) -> IntArray:
         """Pairs of boxes that are nearer than both sizes."""
@@ -98,6 +104,16 @@ class Compiled:
         out = np.empty(len(nodes))
         self.to_faces(x, nodes, np.full(len(nodes), np.inf), out)
         return out
+
+    def sums(self, stencils: Sequence[Stencils], pattern: Pattern) -> Sums:
+        """Places of items of all kinds."""
+        squares = [one for one in stencils if one.squares]
+        if not squares:
+            return Sums([self.upper.at(one, pattern) for one in stencils], finished)
+        packed = self.packed.at(squares, pattern)
+        some = iter(packed.kinds)
+        kinds = [next(some) if one.squares else self.upper.at(one, pattern) for one in stencils]
+        return Sums(kinds, packed.spread)
 
     def symmetric_places(self, stencils: Stencils, pattern: Pattern) -> UpperLoops:
         """Places of the upper triangles of items."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Protocol
 
 from ...arrays import FloatArray, IntArray
@@ -9,6 +10,7 @@ from ...kernels.driver import Driver
 from ...kernels.linearization import Pattern
 from ..gather.stencils import GeneralPlaces, Stencils
 from ..gather.touching import Touching
+from ..gather.upper import Sums, Upper
 from ..nearby.candidates import Boxes
 from ..pieces.surface import Faced
 from ..points.strips import Strips
@@ -38,19 +40,6 @@ class Near(Protocol):
         Their stiffness is that of the secant. What counts as often with one sign as with the other is left
         out. Valid until the next call.
         """
-
-
-class Upper(Protocol):
-    """Places of the upper triangles of items of a kind, to which sums over points are added."""
-
-    def add_squares(self, touching: Touching, r: FloatArray, values: FloatArray) -> None:
-        """Add dE/dq to ``r`` (n,) and what the second derivatives have along the gaps to values (slots,)."""
-
-    def add_hessians(self, touching: Touching, r: FloatArray, values: FloatArray) -> None:
-        """Add dE/dq to ``r`` and the second derivatives to stored values."""
-
-    def add_symmetric(self, touching: Touching, block: FloatArray, values: FloatArray) -> None:
-        """Add w_i w_j times a symmetric block (3, 3, K) of each point to stored values."""
 
 
 class Loops(Protocol):
@@ -107,6 +96,9 @@ class Loops(Protocol):
 
     def face_distances(self, x: FloatArray, nodes: IntArray) -> FloatArray:
         """Distances of lines from triangles, nodes (P, 5) [m], shape (P,)."""
+
+    def sums(self, stencils: Sequence[Stencils], pattern: Pattern) -> Sums:
+        """Places of items of all kinds."""
 
     def symmetric_places(self, stencils: Stencils, pattern: Pattern) -> Upper:
         """Places of the upper triangles of items."""

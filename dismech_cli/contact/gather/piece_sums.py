@@ -15,7 +15,7 @@ from ...geometry.kernel import kernel, loop
 from ...geometry.vectors import combine, combine_symmetric, dot, self_outer
 from ..law.quadrature import GAUSS, density, secant
 from ..pieces.line_loops import AXIS, EDGE, FACED, HIGH, IDENTITY, LOW, SLOPE, START
-from .scatter_loops import add_above, add_even, add_in_space, add_odd, join, unpack
+from .scatter_loops import add_even, add_odd
 
 
 @kernel
@@ -35,44 +35,37 @@ def _lay_weights(pieces: FloatArray, k: int, p: FloatArray, q: FloatArray) -> No
 
 @loop
 def sum_squares(
+    every: tuple[int, ...],
     dofs: IntArray,
     axes: IntArray,
-    slots: IntArray,
-    flipped: BoolArray,
-    odd: IntArray,
-    entries: IntArray,
+    blocks: IntArray,
     rows: IntArray,
     piece_item: IntArray,
     pieces: FloatArray,
     reach: FloatArray,
     factor: FloatArray,
     r: FloatArray,
-    values: FloatArray,
+    packed: FloatArray,
 ) -> None:
-    """Add forces, and stiffnesses of the secant along the gap.
+    """Add forces, and stiffnesses of the secant along the gap to packed blocks.
 
-    Above a face all gaps of an item are along its normal: there no more than weights are summed.
+    Above a face all gaps of a piece are along its normal: there no more than weights are summed.
 
     Args:
+        every: Numbers of the n nodes: a tuple, whose length is known where this is compiled.
         dofs: Of the nodes of each item, shape (S, n d).
         axes: The d axes that the model has.
-        slots: See :func:`.slot_loops.find_blocks`.
-        flipped: See there.
-        odd: See there.
-        entries: Slots of the upper triangles of the items that are odd.
+        blocks: See :func:`.packed_loops.find_pairs`.
         rows: See :class:`.strips.Table`.
         piece_item: See there.
         pieces: See there.
         reach: See there.
         factor: See there.
         r: Forces are added to, shape (DOFs,).
-        values: Stored entries, added to, shape (slots,).
+        packed: Blocks, added to, shape (B, 8).
     """
-    d = len(axes)
-    n = dofs.shape[1] // d
-    total, flat = np.zeros((n * (n + 1) // 2, 6)), np.zeros(n * (n + 1) // 2)
-    force, p, q = np.zeros((n, 3)), np.empty(n), np.empty(n)
-    above, beside, up, blocks = False, False, (0.0, 0.0, 0.0), np.empty((len(flat), d, d))
+    d, n = len(axes), len(every)
+    p, q, force = np.empty(n), np.empty(n), np.empty((n, 3))
     for k in range(len(piece_item)):
         item = piece_item[k]
         row, h = rows[item], reach[item]
@@ -82,17 +75,16 @@ def sum_squares(
         _lay_weights(pieces, k, p, q)
         m = 0
         if pieces[k, AXIS] == 1.0:
-            above, up = True, _column(pieces, k, EDGE)
-            at_start, growth = dot(start, up), dot(slope, up)
+            up = _column(pieces, k, EDGE)
+            at_start, growth, square = dot(start, up), dot(slope, up), self_outer(up)
             # moments of pull times height, and of stiffness times its square
             a0 = a1 = c0 = c1 = c2 = 0.0
             for g in range(3):
                 place, weight = GAUSS[g]
                 s = middle + place * half
                 height = at_start + s * growth
-                square = height * height
-                _, pull, along, _, _, _ = density(square, h, factor[item] * (2.0 * weight * half))
-                drawn, stiff = pull * height, secant(along, square, h) * square
+                _, pull, along, _, _, _ = density(height * height, h, factor[item] * (2.0 * weight * half))
+                drawn, stiff = pull * height, secant(along, height * height, h) * height * height
                 a0 += drawn
                 a1 += drawn * s
                 c0 += stiff
@@ -101,13 +93,18 @@ def sum_squares(
             for i in range(n):
                 push = p[i] * a0 + q[i] * a1
                 for a in range(3):
-                    force[i, a] += push * up[a]
-                level, turn = p[i] * c0 + q[i] * c1, p[i] * c1 + q[i] * c2
+                    force[i, a] = push * up[a]
+                one, other = p[i] * c0 + q[i] * c1, p[i] * c1 + q[i] * c2
                 for j in range(i, n):
-                    flat[m] += level * p[j] + turn * q[j]
+                    block, level = blocks[row, m], one * p[j] + other * q[j]
+                    packed[block, 0] += level * square[0]
+                    packed[block, 1] += level * square[1]
+                    packed[block, 2] += level * square[2]
+                    packed[block, 3] += level * square[3]
+                    packed[block, 4] += level * square[4]
+                    packed[block, 5] += level * square[5]
                     m += 1
         else:
-            beside = True
             # moments of pull times gap, and of stiffness times its square
             f0 = f1 = (0.0, 0.0, 0.0)
             t0 = t1 = t2 = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -115,44 +112,28 @@ def sum_squares(
                 place, weight = GAUSS[g]
                 s = middle + place * half
                 x = combine(1.0, start, s, slope)
-                square = dot(x, x)
-                _, pull, along, _, _, _ = density(square, h, factor[item] * (2.0 * weight * half))
-                stiff, xx = secant(along, square, h), self_outer(x)
+                _, pull, along, _, _, _ = density(dot(x, x), h, factor[item] * (2.0 * weight * half))
+                stiff, xx = secant(along, dot(x, x), h), self_outer(x)
                 f0, f1 = combine(1.0, f0, pull, x), combine(1.0, f1, pull * s, x)
                 t0 = combine_symmetric(1.0, t0, stiff, xx)
                 t1 = combine_symmetric(1.0, t1, stiff * s, xx)
                 t2 = combine_symmetric(1.0, t2, stiff * s * s, xx)
             for i in range(n):
                 for a in range(3):
-                    force[i, a] += p[i] * f0[a] + q[i] * f1[a]
+                    force[i, a] = p[i] * f0[a] + q[i] * f1[a]
                 for j in range(i, n):
+                    block = blocks[row, m]
                     one, both, other = p[i] * p[j], p[i] * q[j] + q[i] * p[j], q[i] * q[j]
-                    for c in range(6):
-                        total[m, c] += one * t0[c] + both * t1[c] + other * t2[c]
+                    packed[block, 0] += one * t0[0] + both * t1[0] + other * t2[0]
+                    packed[block, 1] += one * t0[1] + both * t1[1] + other * t2[1]
+                    packed[block, 2] += one * t0[2] + both * t1[2] + other * t2[2]
+                    packed[block, 3] += one * t0[3] + both * t1[3] + other * t2[3]
+                    packed[block, 4] += one * t0[4] + both * t1[4] + other * t2[4]
+                    packed[block, 5] += one * t0[5] + both * t1[5] + other * t2[5]
                     m += 1
-        if k + 1 == len(piece_item) or piece_item[k + 1] != item:
-            for i in range(n):
-                for a in range(d):
-                    r[dofs[row, i * d + a]] += force[i, axes[a]]
-                for a in range(3):
-                    force[i, a] = 0.0
-            if above and not beside and d == 3 and odd[row] < 0:
-                add_above(slots, row, n, flat, up, values)
-            else:
-                if above:
-                    join(flat, up, total)
-                if d == 3 and odd[row] < 0:
-                    add_in_space(slots, row, n, total, values)
-                else:
-                    unpack(axes, total, blocks)
-                    if odd[row] < 0:
-                        add_even(slots, flipped, row, n, blocks, values)
-                    else:
-                        add_odd(entries, odd[row], n, blocks, values)
-                total[:] = 0.0
-            if above:
-                flat[:] = 0.0
-            above = beside = False
+        for i in range(n):
+            for a in range(d):
+                r[dofs[row, i * d + a]] += force[i, axes[a]]
 
 
 @loop

@@ -12,7 +12,7 @@ SKIPPED: Final = 0xFFFFFFFF
 
 
 @kernel
-def _found(indptr: IntArray, indices: IntArray, row: Any, column: Any, guess: Any) -> Any:
+def slot_of(indptr: IntArray, indices: IntArray, row: Any, column: Any, guess: Any) -> Any:
     """Slot of an entry that is stored; the guess is looked at first."""
     low, high = indptr[row], indptr[row + 1]
     if low <= guess < high and indices[guess] == column:
@@ -61,7 +61,7 @@ def find_upper(
                             slots[s, k] = len(indices)
                         else:
                             row = min(a, b)
-                            slot = _found(indptr, indices, row, max(a, b), begin)
+                            slot = slot_of(indptr, indices, row, max(a, b), begin)
                             slots[s, k] = slot
                             begin = slot + 1
                             if not found:
@@ -124,7 +124,7 @@ def find_blocks(
                         slots[s, m * d + a] = SKIPPED
                     else:
                         row = low + a
-                        slot = _found(indptr, indices, row, row if i == j else high, guess)
+                        slot = slot_of(indptr, indices, row, row if i == j else high, guess)
                         slots[s, m * d + a] = slot
                         guess = slot - indptr[row] - (0 if i == j else 1) + indptr[row + 1]
                 m += 1
@@ -144,6 +144,6 @@ def find_all(order: IntArray, indptr: IntArray, indices: IntArray, dofs: IntArra
                 if a < 0 or b < 0:
                     slots[s, k] = len(indices)
                 else:
-                    slot = _found(indptr, indices, a, b, slot + 1)
+                    slot = slot_of(indptr, indices, a, b, slot + 1)
                     slots[s, k] = slot
                 k += 1

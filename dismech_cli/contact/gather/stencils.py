@@ -22,12 +22,15 @@ class Stencils:
     Attributes:
         map: Numbering of the DOFs.
         nodes: Nodes of each item, shape (S, n).
+        squares: Whether their stiffness is along gaps alone and comes from tables of pieces, where there are
+            any: blocks of pairs of nodes are symmetric then.
         dofs: Their DOFs, shape (S, n d).
         axes: The d axes that the model has.
     """
 
     map: DofMap
     nodes: IntArray
+    squares: bool = False
     dofs: IntArray = field(init=False, repr=False, compare=False)
     axes: IntArray = field(init=False, repr=False, compare=False)
 

@@ -11,7 +11,6 @@ from ...kernels.driver import Driver
 from ...kernels.linearization import Pattern
 from ..points.filled import Loop
 from ..points.points import Points
-from ..points.strips import Table
 from . import piece_sums, slot_loops, sum_loops
 from .stencils import BlockPlaces, Stencils
 from .touching import Touching
@@ -23,7 +22,6 @@ class UpperSums:
 
     squares: Loop
     hessians: Loop
-    piece_squares: Loop
     piece_hessians: Loop
     blocks: Loop
     find_blocks: Loop
@@ -35,7 +33,6 @@ class UpperSums:
         names = (
             sum_loops.add_squares,
             sum_loops.add_hessians,
-            piece_sums.sum_squares,
             piece_sums.sum_hessians,
             sum_loops.add_upper_blocks,
             slot_loops.find_blocks,
@@ -60,7 +57,7 @@ class UpperSums:
 
 @dataclass(frozen=True, slots=True)
 class UpperLoops:
-    """Sums to the places of a kind of items; implements :class:`.loops.Upper`.
+    """Sums to the places of a kind of items; implements :class:`.upper.Upper`.
 
     Attributes:
         loops: What sums.
@@ -74,17 +71,15 @@ class UpperLoops:
 
     def add_squares(self, touching: Touching, r: FloatArray, values: FloatArray) -> None:
         """Add dE/dq and what the second derivatives have along the gaps."""
-        strips = touching.strips
-        if strips.table is None or strips.curved:
-            self._add(self.loops.squares, touching.points, (), r, values)
-        else:
-            self._sum(self.loops.piece_squares, strips.table, r, values)
+        self._add(self.loops.squares, touching.points, (), r, values)
 
     def add_hessians(self, touching: Touching, r: FloatArray, values: FloatArray) -> None:
         """Add dE/dq and the second derivatives."""
         table = touching.strips.table
         if table is not None:
-            self._sum(self.loops.piece_hessians, table, r, values)
+            t = table
+            strips = (t.rows, t.piece_item, t.pieces, t.reach, t.factor)
+            self.loops.piece_hessians(*self._places, *strips, r, values)
             return
         p = touching.points
         self._add(self.loops.hessians, p, (p.identity, p.spread, p.bend), r, values)
@@ -103,10 +98,6 @@ class UpperLoops:
         """Add by a loop that takes places, points and more of them."""
         points = (p.item, p.weights, p.gap, p.pull, p.along, p.axis, p.e)
         loop(*self._places, *points, *more, r, values)
-
-    def _sum(self, loop: Loop, t: Table, r: FloatArray, values: FloatArray) -> None:
-        """Add by a loop that takes places and pieces."""
-        loop(*self._places, t.rows, t.piece_item, t.pieces, t.reach, t.factor, r, values)
 
     @property
     def _places(self) -> tuple[FloatArray | IntArray | BoolArray, ...]:

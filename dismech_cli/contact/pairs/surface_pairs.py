@@ -162,7 +162,7 @@ class SurfacePairs:
         self._between = every.between(*every.bodies(pairs))
         self._lent = {}
         kinds = (self._facing.nodes, junctions.sides, junctions.corners)
-        self._stencils = tuple(Stencils(self._all.map, nodes) for nodes in kinds)
+        self._stencils = tuple(Stencils(self._all.map, nodes, squares=True) for nodes in kinds)
 
 
 def _relative(stencils: Stencils, strips: Strips, v: FloatArray) -> FloatArray:

@@ -95,11 +95,15 @@ def cut_line(pair: FloatArray, cuts: FloatArray, pieces: FloatArray) -> int:
     for plane in range(9):
         i = plane % 3
         if plane < 3:
-            cut = -pair[_T0, i] / pair[_T1, i]
+            ahead, growth = pair[_T0, i], pair[_T1, i]
         elif plane < 6:
-            cut = (1.0 - pair[_T0, i]) / pair[_T1, i]
+            ahead, growth = pair[_T0, i] - 1.0, pair[_T1, i]
         else:
-            cut = -pair[_H0, i] / pair[_H1, i]
+            ahead, growth = pair[_H0, i], pair[_H1, i]
+        # most lines pass few of the planes, and a quotient takes long
+        if ahead * (ahead + growth) >= 0.0:
+            continue
+        cut = -ahead / growth
         if 0.0 < cut < 1.0:
             place = count
             while cuts[place - 1] > cut:

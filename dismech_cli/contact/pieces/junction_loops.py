@@ -119,9 +119,12 @@ def junction_spans(
             _note(side, side_span, counts[1], k, early, late, times[k])
             counts[1] += 1
             one, other = (0, 1) if t1 >= 0.0 else (1, 0)
-            _note(corner, corner_span, counts[2], ends[k, one], 0.0, early, times[k])
-            _note(corner, corner_span, counts[2] + 1, ends[k, other], late, 1.0, times[k])
-            counts[2] += 2
+            if early > 0.0:
+                _note(corner, corner_span, counts[2], ends[k, one], 0.0, early, times[k])
+                counts[2] += 1
+            if late < 1.0:
+                _note(corner, corner_span, counts[2], ends[k, other], late, 1.0, times[k])
+                counts[2] += 1
     for k in range(len(corner_times)):
         if corner_times[k] != 0.0:
             _note(corner, corner_span, counts[2], k, 0.0, 1.0, corner_times[k])
