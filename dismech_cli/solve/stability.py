@@ -21,9 +21,21 @@ class Stability:
         self._count_negative: tuple[SparsityPattern, CountNegative] | None = None
 
     def unstable(self, state: State) -> bool:
-        """Whether the stiffness matrix at a state is known to have a negative eigenvalue."""
+        """Whether the stiffness matrix at a state is known to have a negative eigenvalue.
+
+        Of what moves freely as a whole they are zero but for rounding and what is left of the residual:
+        one that those explain is none.
+        """
+        system = self._system
+        now = system.linearize(at_state(state), state.q, state.frames)
+        values, diagonal = now.values.copy(), system.pattern.diagonal
+        force = float(np.linalg.norm(now.residual[system.pattern.free] * system.at_node))
+        least = (force + system.round_off(values, state.q)) / system.extent
         try:
-            return self._system.solver.factorize(self.stiffness(state)).indefinite
+            if not system.solver.factorize(values).indefinite:
+                return False
+            values[diagonal] += least * (system.at_node + system.at_angle * system.extent**2)
+            return system.solver.factorize(values).indefinite
         except FactorizationError:  # a mechanism, which has its own messages
             return False
 

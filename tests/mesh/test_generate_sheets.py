@@ -3,6 +3,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from dismech_cli.errors import MeshError
+from dismech_cli.mesh.generate.icosphere import icosphere
 from dismech_cli.mesh.generate.rings import annulus, disc, hemisphere
 from dismech_cli.mesh.generate.sheets import Pattern, sheet
 from dismech_cli.mesh.mesh import Mesh
@@ -152,6 +153,28 @@ def test_caps_with_chosen_rings() -> None:
     assert len(cap.triangles) == 24
 
 
+@pytest.mark.parametrize("n", [1, 2, 7])
+def test_whole_spheres(n: int) -> None:
+    ball = icosphere(2.0, n)
+    assert (len(ball.nodes), len(ball.triangles)) == (10 * n * n + 2, 20 * n * n)
+    edges = shell_edges(ball.triangles)
+    assert len(edges.hinges) == 30 * n * n
+    assert_allclose(np.linalg.norm(ball.nodes, axis=1), 2.0, rtol=4 * np.finfo(float).eps)
+    assert_allclose(ball.nodes[ball.node_groups["top"]], [[0, 0, 2]], rtol=0, atol=1e-15)
+    assert_allclose(ball.nodes[ball.node_groups["bottom"]], [[0, 0, -2]], rtol=0, atol=1e-15)
+    centers = ball.nodes[ball.triangles].mean(axis=1)
+    assert ((_normals(ball) * centers).sum(axis=1) > 0).all()
+    assert _smallest_angle(ball) > 45.0
+    assert_allclose(_normals(ball).sum(axis=0), 0.0, rtol=0, atol=1e-14 * len(ball.triangles))
+
+
+def test_area_of_whole_spheres_converges() -> None:
+    errors = [
+        1 - np.linalg.norm(_normals(icosphere(1.0, n)), axis=1).sum() / (4 * np.pi) for n in (8, 16, 32)
+    ]
+    assert_allclose(np.log2(np.array(errors[:-1]) / errors[1:]), 2.0, rtol=0, atol=0.02)
+
+
 @pytest.mark.parametrize(
     ("make", "message"),
     [
@@ -163,6 +186,9 @@ def test_caps_with_chosen_rings() -> None:
         (lambda: sheet(1.0, 2e5, 1), "sheet: 2e\\+05 rows of triangles; expected at most 100000"),
         (lambda: sheet(1.0, 1.0, 400, Pattern.UNSTRUCTURED), "sheet: over 100000 unstructured nodes"),
         (lambda: disc(-1.0, 4), "disc: radius -1.0"),
+        (lambda: icosphere(0.0, 4), "icosphere: radius 0.0"),
+        (lambda: icosphere(1.0, 0), "icosphere: 0 divisions"),
+        (lambda: icosphere(1.0, 10**9), "icosphere: .* triangles; a generated surface may have 500000"),
         (lambda: disc(1.0, 10**7), "disc: 6e\\+14 triangles"),
         (lambda: disc(1.0, 2, counts=(6,)), r"disc: counts \[6\]; expected 2 numbers of at least 3"),
         (lambda: disc(1.0, 2, counts=(6, 2)), "expected 2 numbers of at least 3"),

@@ -132,14 +132,16 @@ SURFACES = {
     "disc": "center: [0, 0, 0], radius: 1, rings: {}",
     "annulus": "center: [0, 0, 0], inner_radius: 0.5, outer_radius: 1, rings: {}",
     "hemisphere": "center: [0, 0, 0], radius: 1, rings: {}",
+    "icosphere": "center: [0, 0, 0], radius: 1, divisions: {}",
 }
+OF_SHEETS = ("sheet", "right", "unstructured", "long")
 
 
 @pytest.mark.parametrize("divisions", [1000, 3000, 30000])
 @pytest.mark.parametrize("name", SURFACES)
 def test_large_surfaces_are_refused_before_they_are_made(name: str, divisions: int) -> None:
     """About a million to a thousand million triangles."""
-    shape = name if name in ("cylinder", "sphere", "disc", "annulus", "hemisphere") else "sheet"
+    shape = "sheet" if name in OF_SHEETS else name
     generate = f"{{shape: {shape}, {SURFACES[name].format(divisions)}}}"
     sheet = f"{{type: shell, name: sheet, material: rubber, thickness: 1 mm, generate: {generate}}}"
     text = ROD.replace("motions:", f"  - {sheet}\nmotions:")

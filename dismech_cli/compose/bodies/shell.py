@@ -15,6 +15,7 @@ from ...mesh.allowed import Allowed
 from ...mesh.files.read import read_mesh
 from ...mesh.generate import curved as generate_curved
 from ...mesh.generate import rings as generate_rings
+from ...mesh.generate.icosphere import icosphere
 from ...mesh.generate.sheets import Pattern, sheet
 from ...mesh.mesh import Mesh
 from ...mesh.slivers import refuse_slivers
@@ -29,6 +30,7 @@ from ...scenario.language.surface import (
     CylinderSurface,
     DiscSurface,
     HemisphereSurface,
+    IcosphereSurface,
     SheetSurface,
     SphereSurface,
     Surface,
@@ -174,6 +176,8 @@ def _generated(shell: Source) -> Mesh:
             pattern = Pattern(s.pattern)
             mesh = generate_curved.sphere(s.radius, (first, last), s.angle, s.divisions, pattern)
             return _placed(mesh, s.center, _started(s.axis, s.start))
+        case IcosphereSurface() as s:
+            return _placed(icosphere(s.radius, s.divisions), s.center, _started(s.axis, s.start))
         case None:
             raise AssertionError("the schema asks for generate or mesh")
 

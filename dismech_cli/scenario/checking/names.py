@@ -22,6 +22,7 @@ SURFACE_GROUPS = {
     "hemisphere": ("apex", "rim"),
     "cylinder": ("left", "right", "bottom", "top", "rim"),
     "sphere": ("left", "right", "bottom", "top", "rim"),
+    "icosphere": ("top", "bottom"),
 }
 
 

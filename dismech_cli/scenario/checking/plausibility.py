@@ -17,6 +17,7 @@ from ..language.surface import (
     CylinderSurface,
     DiscSurface,
     HemisphereSurface,
+    IcosphereSurface,
     SheetSurface,
     SphereSurface,
 )
@@ -136,7 +137,7 @@ def _size(shell: Shell) -> float | None:
     match shell.generate:
         case SheetSurface(length=length, width=width):
             return min(length, width)
-        case DiscSurface(radius=radius) | HemisphereSurface(radius=radius):
+        case DiscSurface(radius=radius) | HemisphereSurface(radius=radius) | IcosphereSurface(radius=radius):
             return 2 * radius
         case AnnulusSurface(inner_radius=inner, outer_radius=outer):
             return outer - inner

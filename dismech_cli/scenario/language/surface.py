@@ -162,8 +162,34 @@ class SphereSurface(Spec):
         return self
 
 
+class IcosphereSurface(Spec):
+    """A whole sphere of like triangles, normals outward; its groups are `top` and `bottom`, the poles."""
+
+    shape: Literal["icosphere"] = Field(description="Kind of surface.")
+    center: LengthTriple = Field(description="Its centre.")
+    axis: DirectionTriple = Field(default=_Z, description="From the centre to `top`.")
+    start: DirectionTriple = Field(
+        default=_X, description="Across the axis, towards a corner of the icosahedron."
+    )
+    radius: PositiveLength = Field(description="Its radius.")
+    divisions: Divisions = Field(
+        description="Number n of edges along a side of the icosahedron: 20 n^2 triangles."
+    )
+
+    @model_validator(mode="after")
+    def _sound(self) -> IcosphereSurface:
+        _not_parallel(self.axis, self.start, "axis and start of an icosphere")
+        return self
+
+
 Surface: TypeAlias = Annotated[
-    SheetSurface | DiscSurface | AnnulusSurface | HemisphereSurface | CylinderSurface | SphereSurface,
+    SheetSurface
+    | DiscSurface
+    | AnnulusSurface
+    | HemisphereSurface
+    | CylinderSurface
+    | SphereSurface
+    | IcosphereSurface,
     Field(discriminator="shape"),
 ]
 

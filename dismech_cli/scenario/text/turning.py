@@ -56,6 +56,7 @@ _SHAPES: Final[Mapping[str, _Shape]] = {
     "sheet": _Shape(("origin",), {"axes": (_X, _Y)}),
     "cylinder": _Shape(("origin",), {"axis": (_Z,), "start": (_X,)}),
     "sphere": _Shape(("center",), {"axis": (_Z,), "start": (_X,)}),
+    "icosphere": _Shape(("center",), {"axis": (_Z,), "start": (_X,)}),
 }
 _ONLY_MOVED: Final[Mapping[str, _Shape]] = {
     "helix": _Shape(("origin",)),
