@@ -104,7 +104,7 @@ def test_an_expectation_that_a_changed_run_misses_names_the_change(
     loaded = load(SNAKE, overrides=(*overrides, "numerics.t_end=0.1 s", missed))
     report = simulate(loaded, narrator=narrator)
     assert not report.verdicts[0].passed
-    told_of_steps = [text for text in narrator.lines if "numerics.step.rtol=0.0001" in text]
+    told_of_steps = [text for text in narrator.lines if "numerics.step.rtol=5e-05" in text]
     assert len(told_of_steps) == ("numerics.dt=null" in overrides)
     (hint,) = [text for text in narrator.lines if "expected values are those of the file" in text]
     assert told in hint

@@ -179,7 +179,7 @@ def test_a_dry_run_lists_the_points(swept, arm):
 def test_points_that_die_hang_and_fail_do_not_stop_the_others(swept, arm):
     kinds = ("segfault", "hang", "bug", "noise")
     trouble = ";".join(f"parameters.E={E}=>{kind}" for E, kind in zip(MODULI, kinds, strict=True))
-    done = swept(*FOUR, "-j", 2, "--wall-limit", "3s", "--json", "--junit", "out.xml", TROUBLE=trouble)
+    done = swept(*FOUR, "-j", 2, "--wall-limit", "20s", "--json", "--junit", "out.xml", TROUBLE=trouble)
     assert done.code == 3, done.stderr
     told = SWEEP.validate_python(json.loads(done.stdout))
     assert told.counts == {

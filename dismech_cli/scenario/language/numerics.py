@@ -121,7 +121,7 @@ class Step(Spec):
     )
     rtol: Annotated[float, Quantity("ratio", gt=0, lt=1)] | None = Field(
         default=None,
-        description="Error of an adaptive step as a share of the largest motion so far; default: 1e-3. "
+        description="Error of an adaptive step as a share of the largest motion so far; default: 5e-4. "
         "What a run ends with is 10 to 100 times as much: see docs/trade.md.",
     )
     dt_min: PositiveTime | None = Field(
