@@ -22,15 +22,18 @@ class Block:
     Attributes:
         text: Its module.
         arguments: What its main loop takes: positions ``x``, velocities ``v``, ``auxiliary``, its parameters
-            ``{p}``, its tables of ``{indices}`` and of ``{slots}``, and what it adds to.
+            ``{p}``, each of them stacked and taken ``{at}`` a place, its tables of ``{indices}`` and of
+            ``{slots}``, and what it adds to.
         indices: Tables of DOFs and places.
         slots: Tables of slots, one for each tangent that it has.
+        tables: Others, after the parameters.
     """
 
     text: LoopText
     arguments: str
     indices: tuple[IntArray, ...]
     slots: tuple[IntArray, ...]
+    tables: tuple[Any, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,13 +44,13 @@ class Call:
         block: The loop.
         q: What it was given, shape (n,); None for loops that take no positions.
         v: Likewise; None for loops that take no velocity.
-        parameters: Likewise, one or more for each stencil; a pair where there is more to tell.
+        parameters: Likewise, one or more for each stencil, and the scale where there is one.
     """
 
     block: Block
     q: FloatArray | None
     v: FloatArray | None
-    parameters: FloatArray | tuple[FloatArray, Any]
+    parameters: tuple[FloatArray | float, ...]
 
 
 # Each of them is a loop that can be linearised and nothing else, since nothing else is asked of it.
@@ -61,7 +64,7 @@ class _NotedStencils:
     def add_linearization(
         self, q: FloatArray, auxiliary: FloatArray, parameters: FloatArray, into: Linearization
     ) -> None:
-        self.calls.append(Call(self.block, q, None, parameters))
+        self.calls.append(Call(self.block, q, None, (parameters,)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,7 +75,7 @@ class _NotedDrag:
     def add_linearization(
         self, q: FloatArray, v: FloatArray, parameters: FloatArray, into: Linearization
     ) -> None:
-        self.calls.append(Call(self.block, q, v, parameters))
+        self.calls.append(Call(self.block, q, v, (parameters,)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,7 +97,6 @@ class _NotedLoad:
 @dataclass(frozen=True, slots=True)
 class _NotedRates:
     block: Block
-    tables: tuple[IntArray | FloatArray, ...]
     calls: list[Call]
 
     def add_linearization(
@@ -105,7 +107,7 @@ class _NotedRates:
         parameters: FloatArray,
         into: Linearization,
     ) -> None:
-        self.calls.append(Call(self.block, q, v, (parameters, self.tables)))
+        self.calls.append(Call(self.block, q, v, (parameters,)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,16 +125,18 @@ class _NotedCall:
         slots: IntArray,
     ) -> None:
         block = Block(self.text, _VISCOUS, (dofs,), (slots,))
-        self.calls.append(Call(block, None, v, parameters))
+        self.calls.append(Call(block, None, v, (parameters,)))
 
 
-_STENCILS: Final = "x, auxiliary, {p}, {indices}[0], {indices}[1], r, stiffness, {slots}[0]"
-_DRAG: Final = "x, v, {p}, {indices}[0], r, stiffness, damping, {slots}[0], {slots}[1]"
-_LOAD: Final = "x, auxiliary, {p}[0], {p}[1], {indices}[0], {indices}[1], r, stiffness, {slots}[0]"
-_RATES: Final = (
-    "x, v, auxiliary, {p}[0], {indices}[0], {indices}[1], r, {p}[1], stiffness, damping, {slots}[0]"
+_STENCILS: Final = "x, auxiliary, {p}[0][{at}], {indices}[0], {indices}[1], r, stiffness, {slots}[0]"
+_DRAG: Final = "x, v, {p}[0][{at}], {indices}[0], r, stiffness, damping, {slots}[0], {slots}[1]"
+_LOAD: Final = (
+    "x, auxiliary, {p}[0][{at}], {p}[1][{at}], {indices}[0], {indices}[1], r, stiffness, {slots}[0]"
 )
-_VISCOUS: Final = "v, {p}, {indices}[0], r, damping, {slots}[0]"
+_RATES: Final = (
+    "x, v, auxiliary, {p}[0][{at}], {indices}[0], {indices}[1], r, {p}[1], stiffness, damping, {slots}[0]"
+)
+_VISCOUS: Final = "v, {p}[0][{at}], {indices}[0], r, damping, {slots}[0]"
 
 
 class NotWovenError(Exception):
@@ -176,8 +180,9 @@ class NotingDriver:
 
     def rate(self, kernel: RateKernel, dofs: IntArray, auxiliaries: IntArray, pattern: Pattern) -> RateLoop:
         """Loop of a rate kernel."""
-        block = Block(rate_text(kernel), _RATES, (dofs, auxiliaries), (_pairs(dofs, pattern),))
-        return cast(RateLoop, _NotedRates(block, kernel.loop_tables, self.calls))
+        slots = (_pairs(dofs, pattern),)
+        block = Block(rate_text(kernel), _RATES, (dofs, auxiliaries), slots, (kernel.loop_tables,))
+        return cast(RateLoop, _NotedRates(block, self.calls))
 
     def map(self, function: Callable[[Any], Any], inputs: FloatArray, outputs: int) -> FloatArray:
         """Refuse."""

@@ -29,7 +29,7 @@ _KEPT = "cache=True, "
 
 def not_kept(text: str) -> str:
     """The text of a module whose loops Numba compiles into memory alone."""
-    return text.replace(_KEPT, "", 1)
+    return text.replace(_KEPT, "")
 
 
 _STENCIL = """

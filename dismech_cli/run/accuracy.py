@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import Final, NamedTuple
 
 from ..solve.integrators import Integrator
-from ..solve.step import StepResult
+from ..solve.step_result import StepResult
 from .error_norm import ErrorNorm
 from .growing import NONE
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from typing import ClassVar, Final
 
 from ..model.saved import Arrays, Numbers
-from ..solve.step import StepResult
+from ..solve.step_result import StepResult
 from .accuracy import Accuracy
 from .growing import MOST, STANDS, grown, shrunk
 from .stops import Stops

@@ -8,7 +8,8 @@ from dataclasses import dataclass, fields
 
 from ..model.saved import Saved
 from ..model.state import State
-from ..solve.step import Stepper, StepResult
+from ..solve.step import Stepper
+from ..solve.step_result import StepResult
 from .account import EnergyAccount
 from .ambiguity import Ambiguity
 from .framing import Framing

@@ -14,7 +14,7 @@ import numpy as np
 
 from ..arrays import FloatArray
 from ..model.saved import Arrays, Numbers
-from ..solve.step import StepResult
+from ..solve.step_result import StepResult
 
 
 def time_grid(dt: float, t_end: float, events: tuple[float, ...] = ()) -> FloatArray:

@@ -11,7 +11,8 @@ import numpy as np
 from ..model.saved import Arrays, Numbers, Saved, restore_all, save_all, within
 from ..model.state import State
 from ..solve.status import Status
-from ..solve.step import Stepper, StepResult
+from ..solve.step import Stepper
+from ..solve.step_result import StepResult
 from .books import Books
 from .events import Events
 from .observables.snapshot import Snapshot

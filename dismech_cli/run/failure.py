@@ -15,7 +15,8 @@ from ..solve.path import PathFollower
 from ..solve.problem import exact
 from ..solve.relax import relaxed
 from ..solve.status import Status
-from ..solve.step import StepResult, through_stages
+from ..solve.step import through_stages
+from ..solve.step_result import StepResult
 from .ambiguity import Ambiguity
 from .observables.snapshot import Snapshot
 from .simulation import Simulation

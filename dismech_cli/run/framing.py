@@ -9,7 +9,7 @@ import numpy as np
 from ..arrays import FloatArray
 from ..model.saved import Arrays, Numbers
 from ..model.state import State
-from ..solve.step import StepResult
+from ..solve.step_result import StepResult
 from .looks import Looks
 from .observables.snapshot import Snapshot
 from .observe import Observer

@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from ..model.saved import Arrays, Numbers
-from ..solve.step import StepResult
+from ..solve.step_result import StepResult
 
 # Iterations that a step should take, and by how much lengths may change from step to step.
 _WANTED, _LEAST_CHANGE, _LARGEST_CHANGE = 6, 0.5, 1.5

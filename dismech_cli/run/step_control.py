@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Protocol, Self
 
 from ..model.saved import Saved
-from ..solve.step import StepResult
+from ..solve.step_result import StepResult
 
 
 class StepControl(Saved, Protocol):

@@ -20,14 +20,14 @@ from .result import NewtonResult, done, failed
 from .status import Status
 
 # Full steps get this many iterations before the line search takes over from the predictor.
-_FULL_STEPS = 20
+FULL_STEPS = 20
 # A step this many times the size of the model means that nothing resists it.
 _RUNAWAY = 1e6
 
 
 def solve_stage(problem: StageProblem, guess: FloatArray) -> NewtonResult:
     """Solve one stage from ``guess`` (prescribed values already in place)."""
-    solved = problem.at_once(guess, _FULL_STEPS)
+    solved = problem.at_once(guess, FULL_STEPS)
     if solved is not None:
         return NewtonResult(
             solved.q,
@@ -51,7 +51,7 @@ def solve_stage(problem: StageProblem, guess: FloatArray) -> NewtonResult:
 def _full_steps(problem: StageProblem, guess: FloatArray) -> NewtonResult:
     q, free = guess.copy(), problem.free
     floor, settled, indefinite = inf, False, False
-    for iterations in range(_FULL_STEPS + 1):
+    for iterations in range(FULL_STEPS + 1):
         now = problem.linearize(q)
         # the least of all iterates: where a guess crushes an edge, its stiffness would excuse any residual
         floor = min(floor, problem.system.round_off(now.values, q))
@@ -67,7 +67,7 @@ def _full_steps(problem: StageProblem, guess: FloatArray) -> NewtonResult:
         if sum(size) == 0.0 or (at_floor and (settled or met)):
             return done(problem, q, now, indefinite=indefinite)
         settled = at_floor
-        if iterations == _FULL_STEPS:
+        if iterations == FULL_STEPS:
             break
         try:
             step, indefinite = problem.step(q, now, rhs)

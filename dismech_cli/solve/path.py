@@ -27,7 +27,8 @@ from .path_metric import PathMetric, Way
 from .problem import ExhaustedError, NewtonSettings, StageProblem, exact
 from .result import NewtonResult, done, failed
 from .status import Status
-from .step import Stepper, StepResult
+from .step import Stepper
+from .step_result import StepResult
 
 # A step along which the path turns by more than 30 degrees may have left it.
 _STRAIGHT = 0.866

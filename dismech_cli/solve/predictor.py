@@ -18,6 +18,7 @@ from ..arrays import FloatArray
 from ..kinematics.motion import Since, prescribe
 from ..model.model import Model
 from ..model.state import State
+from ..model.term import Memory
 from .linear.factors import FactorizationError
 from .problem import ExhaustedError, StageProblem
 from .stage import Stage
@@ -70,7 +71,11 @@ class Predictor:
         weighted = self._model.mass * stage.lead
         size = float(weighted @ stage.lead)
         share = float(weighted @ (end.q - stage.predictor)) / size if size > 0.0 else 0.0
-        return replace(end, memory={**end.memory, _SHARE: np.array([min(max(share, 0.0), 1.0)])})
+        return replace(end, memory=self.remembered(end.memory, min(max(share, 0.0), 1.0)))
+
+    def remembered(self, memory: Memory, share: float) -> Memory:
+        """A memory with the share that would have made the last guess best."""
+        return {**memory, _SHARE: np.array([share])}
 
     def still(self, problem: StageProblem, since: Since) -> FloatArray:
         """Where the stage begins, with prescribed values in place."""

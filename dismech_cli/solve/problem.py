@@ -14,6 +14,7 @@ from .assembly import Linearized
 from .kept import Kept
 from .linear.factors import Factors
 from .linear.updated import UpdatedFactors
+from .marched import Rule
 from .stage import Stage
 from .system import System
 from .woven import Solved
@@ -99,6 +100,11 @@ class NewtonSettings:
     factorize: Factorize = exact
 
 
+def rule(system: System, settings: NewtonSettings, most: int, slow: int = maxsize) -> Rule:
+    """The same for compiled steps, with ``most`` factorisations at most, and fewer than ``slow``."""
+    return Rule(min(most, settings.max_iterations), slow, settings.tolerance, system.extent)
+
+
 @dataclass(slots=True)
 class StageProblem:
     """What Newton's method asks for; counts the factorisations it has had.
@@ -145,13 +151,12 @@ class StageProblem:
             guess: First guess, prescribed values in place, shape (n,).
             most: Factorisations at most.
         """
-        woven = self.system.woven(self.stage, self.stored)
+        woven = self.system.woven(
+            lambda: self.system.configuration(self.stage, self.stage.predictor, self.stored)
+        )
         if woven is None or self.spent:
             return None
-        limit = min(most, self.settings.max_iterations)
-        solved = woven.solve(
-            self.stage, self.stored, guess, limit, self.settings.tolerance, self.system.extent
-        )
+        solved = woven.solve(self.stage, self.stored, guess, rule(self.system, self.settings, most))
         if solved is not None:
             self.spent = solved.iterations
         return solved

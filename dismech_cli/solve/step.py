@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Protocol, TypeAlias
 
 import numpy as np
@@ -17,6 +18,7 @@ from .accelerations import LENGTH, balanced, rescaled, rubbed
 from .integrators import Integrator
 from .kept import Kept
 from .newton import solve_stage
+from .plain import Plain, Steps
 from .predictor import Predictor
 from .problem import NewtonSettings, StageProblem
 from .result import NewtonResult
@@ -24,39 +26,8 @@ from .second_guess import SLOW, confirmed
 from .stability import Stability
 from .stage import Stage, mean_acceleration
 from .status import Status
+from .step_result import StepResult
 from .system import System
-
-
-@dataclass(frozen=True, slots=True)
-class StepResult:
-    """What a step gives back.
-
-    Attributes:
-        state: The new state; the old one untouched if the step failed.
-        status: How it ended.
-        iterations: Linear solves.
-        residual_norm: Largest free residual [N] of the last stage.
-        residual: Residual (n,) of the last stage: reactions on held DOFs.
-        worst: DOF with the largest residual of a failed step, or -1.
-        ambiguous: Whether a step in time may have another solution: one was found from another guess, or the
-            tangent of a stage is known to have a negative eigenvalue at its own.
-        arrived: Whether this is where a path was to end.
-        put_in: Energy [J] that came from nothing moving: contact that was made stiffer.
-        unsettled: Whether what comes and goes asked for the step once more, and that failed.
-        trail: State that the step started from, and that at the end of each stage.
-    """
-
-    state: State
-    status: Status
-    iterations: int
-    residual_norm: float
-    residual: FloatArray
-    worst: int
-    ambiguous: bool = False
-    arrived: bool = False
-    put_in: float = 0.0
-    unsettled: bool = False
-    trail: tuple[State, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,6 +41,7 @@ class _Binding:
         led: Those and the massless ones.
         system: The bound model.
         stability: Of its states.
+        plain: Takes the steps that a compiled function can take.
     """
 
     since: float
@@ -78,6 +50,7 @@ class _Binding:
     led: IntArray
     system: System
     stability: Stability
+    plain: Plain
 
 
 Solve: TypeAlias = Callable[[StageProblem, FloatArray], NewtonResult]
@@ -217,13 +190,27 @@ class Stepper:
         kept = {**result.state.memory, **memory, LENGTH: np.array([dt])}
         return replace(result, state=replace(result.state, memory=kept), iterations=spent, put_in=put_in)
 
+    def leap(self, start: State, targets: Sequence[float]) -> Steps | None:
+        """Steps to times [s] as by :meth:`attempt`, as far as they are plain, from a prepared state."""
+        if self._advance is not through_stages:
+            return None
+        times = (start.t, *targets)
+        return self.plain(start, times, [end - begin for begin, end in pairwise(times)], self._hasty)
+
+    def plain(
+        self, start: State, times: Sequence[float], lengths: Sequence[float], settings: NewtonSettings
+    ) -> Steps | None:
+        """Steps one after another as :meth:`.plain.Plain.take` takes them; None if the first is not plain."""
+        return self._binding.plain.take(start, times, lengths, settings)
+
     def _bound(self, t: float) -> _Binding:
         motions = self.model.motions
         since, until = held_span(motions, t)
         held = held_dofs(motions, self.model.dofs.n, t)
         system = System(self.model, ~held, self._wanted)
         led = np.flatnonzero(held | self._massless)
-        return _Binding(since, until, np.flatnonzero(held), led, system, Stability(system))
+        plain = Plain(system, self.integrator, self.predictor, held, led, t)
+        return _Binding(since, until, np.flatnonzero(held), led, system, Stability(system), plain)
 
     @property
     def held(self) -> IntArray:
@@ -251,6 +238,9 @@ def through_stages(
     stepper: Stepper, start: State, dt: float, settings: NewtonSettings, solve: Solve = solve_stage
 ) -> StepResult:
     """All stages of the integrator, each by a solver for its balance."""
+    plain = stepper.plain(start, (start.t, start.t + dt), (dt,), settings)
+    if plain is not None:
+        return plain.result(0)
     system, latest, iterations, ambiguous = stepper.system, start, 0, False
     share, trail, kept = stepper.predictor.share(start), [start], Kept()
     for index in range(stepper.integrator.stages):

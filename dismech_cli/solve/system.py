@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cached_property
 from math import sqrt
 
@@ -125,14 +126,12 @@ class System:
         self._woven: Woven | None = None
         self.solver: LinearSolver = self._analysed(base)
 
-    def woven(self, stage: Stage, stored: FrameState) -> Woven | None:
-        """The compiled step, where the model has one: known when the first stage is there to look at."""
+    def woven(self, at: Callable[[], Configuration]) -> Woven | None:
+        """The compiled steps, where the model has them; ``at`` is asked once for a point to look at."""
         if not self._looked:
             self._looked = True
             if self._make_solver is BandedSolver:
-                self._woven = weave(
-                    self.model, self.pattern, self.configuration(stage, stage.predictor, stored)
-                )
+                self._woven = weave(self.model, self.pattern, at())
         return self._woven
 
     @property

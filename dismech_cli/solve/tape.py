@@ -14,7 +14,8 @@ from .problem import NewtonSettings
 from .relax import relaxed
 from .stage import Stage
 from .status import Status
-from .step import Advance, Stepper, StepResult, through_stages
+from .step import Advance, Stepper, through_stages
+from .step_result import StepResult
 
 THROUGH_STAGES: Final[tuple[Advance, ...]] = (through_stages, relaxed)
 """Ways of steps whose stages alone say how they went; a path of equilibria is not among them."""

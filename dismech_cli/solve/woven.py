@@ -1,13 +1,14 @@
-"""Stages solved in one compiled function, without Python between the iterations.
+"""Stages and steps solved in one compiled function, without Python between the iterations.
 
-Such a step knows full steps alone, with tangents that need no second thought: where a stage is not solved so,
-it says nothing, and the stage is solved from the start by what can do more, and ends as it would have ended.
+Such a step knows full steps of Newton's method alone, with tangents that need no second thought: where a
+stage is not solved so, it says nothing, and the step is taken from its start by what can do more, and ends as
+it would have ended.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from math import sqrt
 from typing import Any, Final
 
@@ -19,13 +20,18 @@ from ..kernels.linearization import Linearization
 from ..kinematics.rod_frames import EdgeTables, FrameState, TrialFrames
 from ..model.configuration import Configuration
 from ..model.model import Model
+from ..model.state import State
 from ..model.term import BoundTerm
 from .linear import band_loops
+from .marched import Held, March, Rows, Rule, Stacked
 from .pattern import SparsityPattern
 from .stage import Stage
+from .stage_maps import StageMaps, stacked
 from .weaving import Parts, Weaving, weaving
 
 _EPS: Final = float(np.finfo(np.float64).eps)
+_NO_MAPS: Final = np.empty((0, 1, 7, 6))
+_NO_DOFS: Final = np.empty(0, dtype=np.int64)
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,7 +54,7 @@ class Solved:
 
 
 class Woven:
-    """The compiled step of a system."""
+    """The compiled steps of a system."""
 
     def __init__(
         self,
@@ -56,22 +62,29 @@ class Woven:
         pattern: SparsityPattern,
         tables: EdgeTables,
         woven: Weaving,
-        solve: Callable[..., Any],
+        march: Callable[..., Any],
     ) -> None:
         """Prepare what does not change from stage to stage; see :func:`weave`."""
         driver, parts = woven.driver, woven.parts
-        self._solve, self._driver, self._tables = solve, driver, tables
+        self._march, self._driver = march, driver
+        self._edges = (tables.tails, tables.heads, tables.angles, tables.joint_edges, tables.joint_signs)
         constant = [part.term for part in parts.all if part.block is None]
-        self._rows = np.zeros((len(constant), model.dofs.n))
+        self._rows, self._still = np.zeros((1, len(constant), model.dofs.n)), np.zeros(model.dofs.n)
         self._into = Linearization.of(model.dofs.n, 1)
         self._rest = TrialFrames(model.frames.rest(model.rest), np.empty(0))
         self._mass, self._split, self._length = model.mass, model.dofs.n_positions, model.length
+        self._vectors = np.zeros((8, model.dofs.n))
         self._place(pattern, parts)
-        loops = [part.term for part in parts.all if part.block is not None]
         # the rows and the loops' parameters that change from stage to stage
-        self._later_rows = [(row, term) for row, term in zip(self._rows, constant, strict=True)]
-        self._later_loops = list(enumerate(loops))
+        self._later_rows = list(enumerate(constant))
+        self._later_loops = [
+            Stacked(term, tables, 3 * k)
+            for k, (term, tables) in enumerate(
+                (part.term, part.block.tables) for part in parts.all if part.block is not None
+            )
+        ]
         self._looked = False
+        self._room = 1
 
     def _place(self, pattern: SparsityPattern, parts: Parts) -> None:
         general = not pattern.symmetric
@@ -81,18 +94,18 @@ class Woven:
         # the last, beyond the rows of zeros, takes what is fixed
         entries = (m + width) * step + 1
         places = np.append(rows * step + columns - rows + (width if general else 0), entries - 1)
-        self._diagonal = _unsigned(places[pattern.diagonal])
+        diagonal = _unsigned(places[pattern.diagonal])
         lower, upper = pattern.mirror() if general else (np.empty(0, dtype=np.int64),) * 2
-        self._mirror = (_unsigned(places[lower]), _unsigned(places[upper]))
+        mirror = (_unsigned(places[lower]), _unsigned(places[upper]))
         self._band = (
             np.empty(entries),
             np.empty(entries if parts.damped else 0),
             np.empty(entries + 3 * (m + 2 * width)),
             np.empty(m, dtype=np.int64),
         )
-        self._free = pattern.free
-        self._at_node = pattern.free < self._split
-        self._rounding = 2.0 * _EPS * sqrt(int(self._at_node.sum()))
+        at_node = pattern.free < self._split
+        self._sides = (pattern.free, at_node, diagonal, mirror)
+        self._rounding = 2.0 * _EPS * sqrt(int(at_node.sum()))
         self._arguments: list[Any] = []
         for part in parts.all:
             if part.block is not None:
@@ -100,66 +113,116 @@ class Woven:
                 slots = tuple(_unsigned(places[slots]) for slots in part.block.slots)
                 self._arguments += (None, indices, slots)
 
-    def solve(
-        self, stage: Stage, stored: FrameState, guess: FloatArray, limit: int, tolerance: float, extent: float
-    ) -> Solved | None:
+    def solve(self, stage: Stage, stored: FrameState, guess: FloatArray, rule: Rule) -> Solved | None:
         """Solve a stage; None where that takes more than full steps.
 
         Args:
             stage: What is solved.
             stored: Frames at the start of the step.
             guess: First guess, prescribed values in place, shape (n,).
-            limit: Most factorisations.
-            tolerance: Of the residual, see :class:`.problem.NewtonSettings`.
-            extent: Size of the rest shape [m].
+            rule: When it is solved.
         """
-        q, w = guess.copy(), stage.weights
-        self._look(stage, q)
-        iterations, norm, r, carried, twists = self._solve(
-            q,
-            (w.q, w.v, w.a, tolerance, self._length, extent, self._rounding),
-            limit,
-            self._split,
-            (stage.q0, stage.v0, stage.a0),
+        self._look([stage.t_stage], guess, stage.inputs)
+        w = stage.weights
+        self._vectors[7], self._vectors[2:5] = guess, (stage.q0, stage.v0, stage.a0)
+        numbers = np.array([[[w.q, w.v, w.a, 0.0, 0.0, 0.0]]])
+        maps = (_NO_MAPS, numbers, np.zeros(1), np.zeros(1, dtype=np.int64))
+        nothing = Held(_NO_DOFS, np.empty((1, 0)), _NO_DOFS)
+        found = self._run(maps, 1, 0.0, nothing, Rows.of(1, guess, stored), rule)
+        if not found.steps:
+            return None
+        frames = found.rows.frames(1, stored)
+        return Solved(
+            self._vectors[7].copy(),
+            found.residuals[0],
+            int(found.iterations[0]),
+            float(found.norms[0]),
+            frames,
+        )
+
+    def march(
+        self,
+        start: State,
+        times: Sequence[float],
+        steps: tuple[StageMaps, ...],
+        share: float,
+        held: Held,
+        rule: Rule,
+    ) -> March:
+        """Take steps one after another, as far as these know the way.
+
+        Args:
+            start: Where the first begins.
+            times: Where each begins [s].
+            steps: Maps of each.
+            share: Of the lead in the first guess.
+            held: What is held.
+            rule: When a stage is solved.
+        """
+        balances = [t + balance for t, maps in zip(times, steps, strict=True) for balance in maps.balance]
+        self._look(balances, start.q, start.inputs)
+        rows = Rows.of(len(balances), start.q, start.frames)
+        rows.q[0], rows.v[0], rows.a[0] = start.q, start.v, start.a
+        return self._run(stacked(steps), len(steps), share, held, rows, rule)
+
+    def _run(
+        self, maps: tuple[Any, ...], steps: int, share: float, held: Held, rows: Rows, rule: Rule
+    ) -> March:
+        """Call the compiled function."""
+        n, stages = self._vectors.shape[1], maps[1].shape[1]
+        out = March(
+            steps,
+            rows,
+            np.empty((steps, n)),
+            np.empty((steps, len(held.dofs))),
+            np.empty(steps),
+            np.empty(steps),
+            np.empty(steps * stages, dtype=np.int64),
+        )
+        done = self._march(
+            steps,
+            (rule.limit, rule.slow, self._split),
+            (rule.tolerance, self._length, rule.extent, self._rounding),
+            share,
+            maps,
+            self._vectors,
+            (held.dofs, held.values),
+            held.led,
             self._mass,
             self._rows,
-            self._free,
-            self._at_node,
-            self._diagonal,
-            self._mirror,
+            self._sides,
             self._band,
-            self._frames(stored),
+            self._edges,
+            rows.all,
+            (out.residuals, out.reactions, out.norms, out.shares, out.iterations),
             *self._arguments,
         )
-        if iterations < 0:
-            return None
-        frames = FrameState(carried[6:9], carried[9:12], twists[0]) if len(self._tables.angles) else stored
-        return Solved(q, r, iterations, norm, frames)
+        return out if done == steps else replace(out, steps=done)
 
-    def _look(self, stage: Stage, q: FloatArray) -> None:
-        """Ask the terms for their constants and parameters in a stage; what is steady only once."""
+    def _look(self, times: Sequence[float], q: FloatArray, inputs: FloatArray) -> None:
+        """Ask the terms for their constants and parameters at times [s]; what is steady only once.
+
+        What is asked depends on nothing but times and inputs.
+        """
         if self._looked and not self._later_rows and not self._later_loops:
             return
-        c = Configuration(stage.t_stage, q, stage.v0, self._rest, stage.inputs)
-        for row, term in self._later_rows:
-            row[:] = 0.0
-            term.add_residual(c, row)
-        self._driver.calls.clear()
-        for _, term in self._later_loops:
-            term.add_linearization(c, self._into)
-        for (k, _), call in zip(self._later_loops, self._driver.calls, strict=True):
-            self._arguments[3 * k] = call.parameters
+        if len(times) > self._room:
+            self._room = len(times)
+            self._rows = np.repeat(self._rows[:1], self._room, axis=0)
+        for place, t in enumerate(times):
+            c = Configuration(t, q, self._still, self._rest, inputs)
+            for row, term in self._later_rows:
+                self._rows[place, row] = 0.0
+                term.add_residual(c, self._rows[place, row])
+            self._driver.calls.clear()
+            for one in self._later_loops:
+                one.term.add_linearization(c, self._into)
+            for one, call in zip(self._later_loops, self._driver.calls, strict=True):
+                one.put(call.parameters, place, self._room, self._arguments)
         if not self._looked:
             self._looked = True
             self._later_rows = [(row, term) for row, term in self._later_rows if not _steady(term)]
-            self._later_loops = [(k, term) for k, term in self._later_loops if not _steady(term)]
-
-    def _frames(self, stored: FrameState) -> tuple[Any, ...]:
-        t = self._tables
-        if not len(t.angles):
-            return ()
-        state = (stored.tangent, stored.director, stored.reference_twist)
-        return (t.tails, t.heads, t.angles, t.joint_edges, t.joint_signs, *map(np.ascontiguousarray, state))
+            self._later_loops = [one for one in self._later_loops if not _steady(one.term)]
 
 
 def _steady(term: BoundTerm) -> bool:
@@ -169,7 +232,7 @@ def _steady(term: BoundTerm) -> bool:
 
 
 def weave(model: Model, pattern: SparsityPattern, at: Configuration) -> Woven | None:
-    """The compiled step of a model on a pattern; None where it has none.
+    """The compiled steps of a model on a pattern; None where it has none.
 
     Args:
         model: What is stepped.
@@ -182,8 +245,8 @@ def weave(model: Model, pattern: SparsityPattern, at: Configuration) -> Woven | 
     found = weaving(model, pattern, at)
     if found.text is None:
         return None
-    solve = model.driver.woven(found.text, found.below)
-    return None if solve is None else Woven(model, pattern, tables, found, solve)
+    march = model.driver.woven(found.text, found.below)
+    return None if march is None else Woven(model, pattern, tables, found, march)
 
 
 def _unsigned(indices: IntArray) -> NDArray[np.uint32]:

@@ -22,6 +22,22 @@ jit = njit(cache=True, fastmath={{"nsz", "arcp", "contract", "afn", "reassoc"}},
 
 
 @jit
+def at(tables, tangent, director, twist):
+    """Frames at the start of a step, and where they are."""
+    return tables + (tangent, director, twist)
+
+
+@jit
+def keep(carried, twists, tangent, director, twist):
+    """Write frames down at the end of a stage."""
+    for k in range(3):
+        for e in range(tangent.shape[1]):
+            tangent[k, e], director[k, e] = carried[6 + k, e], carried[9 + k, e]
+    for j in range(len(twist)):
+        twist[j] = twists[0, j]
+
+
+@jit
 def store(frames):
     """Room for frames, with those at the start of the step in it."""
     tangent, director, twist = frames[5], frames[6], frames[7]
@@ -75,7 +91,7 @@ def arrive(q, x, frames, room, auxiliary):
 
 @cache
 def frames_text() -> tuple[LoopText, tuple[LoopText, ...]]:
-    """The module, ``store``, ``carry`` and ``arrive``, and those that it runs."""
+    """The module, ``at``, ``keep``, ``store``, ``carry`` and ``arrive``, and those that it runs."""
     edges, joints = map_text(edge_frame, 10, 12), map_text(joint_reference_twist, 13, 1)
     text = _FRAMES.format(edges=edges.name, joints=joints.name)
     return LoopText.of(edge_frame, "carried", text, "carry"), (edges, joints)

@@ -22,7 +22,8 @@ from dismech_cli.scenario.load import load
 from dismech_cli.solve.linear.choice import LINEAR_SOLVERS
 from dismech_cli.solve.pattern import SparsityPattern
 from dismech_cli.solve.status import Status
-from dismech_cli.solve.step import Stepper, StepResult
+from dismech_cli.solve.step import Stepper
+from dismech_cli.solve.step_result import StepResult
 from dismech_cli.solve.tangents import TANGENTS
 
 STRIP = Path(__file__).parents[2] / "scenarios" / "buckled_strip.yaml"

@@ -17,7 +17,7 @@ from dismech_cli.run.failure import Attempt, describe_failure
 from dismech_cli.run.simulation import Simulation
 from dismech_cli.solve.integrators import ImplicitEuler, ImplicitMidpoint, Integrator, Static
 from dismech_cli.solve.status import Status
-from dismech_cli.solve.step import StepResult
+from dismech_cli.solve.step_result import StepResult
 
 ROD_AT_REST = Path(__file__).parents[1] / "data" / "rod_at_rest.yaml"
 

@@ -10,7 +10,7 @@ from dismech_cli.kinematics.rod_frames import NoFrames
 from dismech_cli.model.state import State
 from dismech_cli.run.clock import Clock, time_grid
 from dismech_cli.solve.status import Status
-from dismech_cli.solve.step import StepResult
+from dismech_cli.solve.step_result import StepResult
 
 _Q = np.zeros(2)
 RESULT = StepResult(State(0.0, _Q, _Q, _Q, NoFrames().rest(_Q)), Status.CONVERGED, 1, 0.0, _Q, -1)

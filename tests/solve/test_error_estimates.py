@@ -23,7 +23,8 @@ from dismech_cli.solve.integrators import (
 )
 from dismech_cli.solve.problem import NewtonSettings
 from dismech_cli.solve.status import Status
-from dismech_cli.solve.step import Stepper, StepResult
+from dismech_cli.solve.step import Stepper
+from dismech_cli.solve.step_result import StepResult
 
 TIGHT = NewtonSettings(tolerance=1e-13)
 SOFT = properties(axial=3.0, bending=0.05, torsional=0.01, mass_per_length=1.0)

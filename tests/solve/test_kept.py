@@ -23,7 +23,8 @@ from dismech_cli.solve.linear.pardiso import pardiso_available
 from dismech_cli.solve.linear.superlu import SuperLuSolver
 from dismech_cli.solve.problem import NewtonSettings
 from dismech_cli.solve.status import Status
-from dismech_cli.solve.step import Stepper, StepResult
+from dismech_cli.solve.step import Stepper
+from dismech_cli.solve.step_result import StepResult
 
 WEIGHT = (0.0, 0.0, -9.81)
 RNG = np.random.default_rng(5)

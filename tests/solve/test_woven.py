@@ -35,14 +35,14 @@ def _simulation(name: str) -> Simulation:
 def _ran(simulation: Simulation, until: float) -> tuple[Outcome, Memory, list[Any]]:
     """A run, and what its compiled steps gave."""
     found: list[Any] = []
-    original = Woven.solve
+    original = Woven._run
     with pytest.MonkeyPatch.context() as patch:
 
         def noting(self: Woven, *arguments: Any) -> Any:
             found.append(original(self, *arguments))
             return found[-1]
 
-        patch.setattr(Woven, "solve", noting)
+        patch.setattr(Woven, "_run", noting)
         memory = Memory()
         return run(simulation, memory, limits=Limits(until=until)), memory, found
 
@@ -69,11 +69,12 @@ def _ran(simulation: Simulation, until: float) -> tuple[Outcome, Memory, list[An
 def test_runs_are_equal_to_round_off(name: str, until: float, monkeypatch: pytest.MonkeyPatch) -> None:
     simulation = _simulation(name)
     woven, frames, found = _ran(simulation, until)
-    monkeypatch.setattr(System, "woven", lambda self, stage, stored: None)
+    monkeypatch.setattr(System, "woven", lambda self, at: None)
     plain, others, none = _ran(simulation, until)
     assert not none
     assert found, "the scene has a compiled step"
-    assert all(one is not None for one in found)
+    # where one is in doubt Python asks again
+    assert sum(one.steps < len(one.norms) for one in found) <= 0.05 * len(found)
     assert woven.counters == plain.counters
     one, two = (np.array([frame.positions for frame in memory.frames]) for memory in (frames, others))
     size = float(np.ptp(two[0], axis=0).max())
@@ -90,8 +91,8 @@ def test_a_run_compiles_its_step_once() -> None:
         state = stepper.step(state, 0.01).state
     woven = stepper.system._woven
     assert woven is not None
-    module = woven._solve.func.__self__._module
-    assert len(module.solve.signatures) == 1
+    module = woven._march.func.__self__._module
+    assert len(module.march.signatures) == 1
 
 
 @pytest.mark.parametrize("name", ["jellyfish", "rod_drop", "parachute_updraught", "gridshell"])
@@ -118,7 +119,7 @@ def test_a_step_that_fails_fails_as_it_did(monkeypatch: pytest.MonkeyPatch) -> N
         ends.append(stepper.step(stepper.prepare(simulation.start), 0.05))
         nowhere = replace(simulation.start, v=np.full_like(simulation.start.v, np.nan))
         ends.append(stepper.step(stepper.prepare(nowhere), 1e-3))
-        monkeypatch.setattr(System, "woven", lambda self, stage, stored: None)
+        monkeypatch.setattr(System, "woven", lambda self, at: None)
     assert ends[0].status is ends[2].status is not Status.CONVERGED
     assert ends[1].status is ends[3].status is Status.NOT_FINITE
     assert (ends[0].iterations, ends[0].worst) == (ends[2].iterations, ends[2].worst)

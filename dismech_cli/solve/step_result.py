@@ -1,0 +1,41 @@
+"""What a step gives back."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ..arrays import FloatArray
+from ..model.state import State
+from .status import Status
+
+
+@dataclass(frozen=True, slots=True)
+class StepResult:
+    """What a step gives back.
+
+    Attributes:
+        state: The new state; the old one untouched if the step failed.
+        status: How it ended.
+        iterations: Linear solves.
+        residual_norm: Largest free residual [N] of the last stage.
+        residual: Residual (n,) of the last stage: reactions on held DOFs.
+        worst: DOF with the largest residual of a failed step, or -1.
+        ambiguous: Whether a step in time may have another solution: one was found from another guess, or the
+            tangent of a stage is known to have a negative eigenvalue at its own.
+        arrived: Whether this is where a path was to end.
+        put_in: Energy [J] that came from nothing moving: contact that was made stiffer.
+        unsettled: Whether what comes and goes asked for the step once more, and that failed.
+        trail: State that the step started from, and that at the end of each stage.
+    """
+
+    state: State
+    status: Status
+    iterations: int
+    residual_norm: float
+    residual: FloatArray
+    worst: int
+    ambiguous: bool = False
+    arrived: bool = False
+    put_in: float = 0.0
+    unsettled: bool = False
+    trail: tuple[State, ...] = ()
