@@ -127,6 +127,14 @@ class Adaptive:
         """The control with the next step halved."""
         return self._cut(0.5)
 
+    def ahead(self, most: int) -> tuple[float, ...]:
+        """None: each step goes as far as the last one allows."""
+        return ()
+
+    def passed(self, count: int) -> Adaptive:
+        """Itself: no steps are ahead."""
+        return self
+
     def accepted(self, result: StepResult) -> Adaptive:
         """The control a step on."""
         motion, error = self.accuracy.of(result, self.at, self.motion)

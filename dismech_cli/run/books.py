@@ -8,6 +8,7 @@ from dataclasses import dataclass, fields
 
 from ..model.saved import Saved
 from ..model.state import State
+from ..solve.plain import Steps
 from ..solve.step import Stepper
 from ..solve.step_result import StepResult
 from .account import EnergyAccount
@@ -85,11 +86,22 @@ class Books:
     def step(self, before: State, result: StepResult, t_end: float) -> None:
         """Book a step that was taken, of a run up to ``t_end`` [s]."""
         tick = time.perf_counter()
-        self.account.advance(before, result.state, result.put_in, result.trail[1:-1])
+        self.account.advance(before, result.state, result.put_in, result.trail[1:-1], result.reactions)
         self.counters.steps += 1
         if result.ambiguous:
             self.ambiguity.taken(result.state.t)
         self.symmetry.look(result.state, t_end)
+        self.stopwatch.book("observe", tick)
+
+    def leap(self, before: State, steps: Steps, after: State, t_end: float) -> None:
+        """Book many steps from a state to another, of a run up to ``t_end`` [s]."""
+        tick = time.perf_counter()
+        self.account.leap(before, steps, after)
+        self.counters.steps += steps.count
+        self.counters.iterations += steps.iterations
+        for step, t in enumerate(steps.times[1:]):
+            if self.symmetry.due(t):
+                self.symmetry.look(steps.kept(step), t_end)
         self.stopwatch.book("observe", tick)
 
     @property

@@ -88,6 +88,17 @@ class Clock:
     def refused(self, result: StepResult) -> None:
         """None: a step that Newton's method solved may stand."""
 
+    def ahead(self, most: int) -> list[float]:
+        """Nominal times up to the start of the last step, where no step is being cut."""
+        if self.level or self.part:
+            return []
+        ahead: list[float] = self.grid[self.index + 1 : min(self.index + 1 + most, self.steps)].tolist()
+        return ahead
+
+    def passed(self, count: int) -> Clock:
+        """The clock as many nominal steps on."""
+        return replace(self, index=self.index + count)
+
     def accepted(self, result: StepResult) -> Clock:
         """The clock one step on; how the step went does not matter."""
         part, level = self.part + 1, self.level

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import time
+from bisect import bisect_left
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import isfinite
+from typing import NamedTuple
 
 import numpy as np
 
@@ -21,6 +24,24 @@ from .simulation import Simulation
 from .sink import Progress, Sink
 from .step_control import StepControl
 from .tally import Stopwatch
+
+
+# Steps taken in one at most, and how many numbers they may be: within a blink.
+_MOST, _NUMBERS = 64, 2**16
+
+
+class Leap(NamedTuple):
+    """Many steps in one.
+
+    Attributes:
+        shown: What the frame at the end shows, if one was due.
+        dt: Length of the last step [s].
+        attempts: Start and end [s], linear solves, and largest free residual [N] of each.
+    """
+
+    shown: Snapshot | None
+    dt: float
+    attempts: Sequence[tuple[float, float, int, float]]
 
 
 @dataclass(slots=True)
@@ -128,6 +149,38 @@ class Course:
             self.books.stopwatch.move(self.stepper.changing_seconds - touching, "solve", "contact")
         self.books.counters.iterations += result.iterations
         return _landed(result, self.state, target)
+
+    def leap(self, until: float) -> Leap | None:
+        """Take and book many steps up to a time [s] in one; None where somebody looks at each, or they take more.
+
+        They end where a frame is due.
+        """
+        ahead = self._ahead(until)
+        if len(ahead) < 2:
+            return None
+        tick, before = time.perf_counter(), self.state
+        self._prepare()
+        steps = self.stepper.leap(self.state, ahead)
+        self.books.stopwatch.book("solve", tick)
+        if steps is None:
+            return None
+        result = steps.result(steps.count - 1)
+        if _lost(result.state) >= 0:
+            return None
+        self.books.leap(self.state, steps, result.state, self.control.t_end)
+        self.control, self.state = self.control.passed(steps.count), result.state
+        dt = steps.times[-1] - steps.times[-2]
+        return Leap(self._show(before, result, dt), dt, steps.attempts)
+
+    def _ahead(self, until: float) -> Sequence[float]:
+        """Ends [s] of the steps before anybody looks."""
+        books, simulation = self.books, self.simulation
+        if not books.framing.quiet or simulation.controls.loops or simulation.touched is not None:
+            return ()
+        if not books.account.at_ease(balanced=self.stepper.balanced_ends):
+            return ()
+        ahead = self.control.ahead(max(min(_MOST, _NUMBERS // len(self.state.q)), 1))
+        return ahead[: bisect_left(ahead, min(books.framing.due, until)) + 1]
 
     def cut(self, result: StepResult) -> None:
         """Shorten the step that failed."""

@@ -10,7 +10,7 @@ from ..arrays import FloatArray
 from ..model.saved import Arrays, Numbers
 from ..model.state import State
 from ..solve.step_result import StepResult
-from .looks import Looks
+from .looks import Looks, at_ends, due_from
 from .observables.snapshot import Snapshot
 from .observe import Observer
 from .sink import Sink
@@ -60,6 +60,16 @@ class Framing:
         self._skipped = 0
         self._iterations = 0
         self._residual = np.empty(0)
+
+    @property
+    def quiet(self) -> bool:
+        """Whether nobody looks before the next frame is due."""
+        return self._looks is at_ends and not self._watched
+
+    @property
+    def due(self) -> float:
+        """When the next frame is due [s], less rounding."""
+        return due_from((self.frames + self._skipped) * self._every)
 
     def see(
         self, before: State, result: StepResult, dt: float, iterations: int, *, last: bool

@@ -26,7 +26,12 @@ class Looks(Protocol):
 
 def at_ends(start: float, end: float, due: float, every: float) -> list[tuple[float, bool]]:
     """Only at the end, which is a frame if one has become due."""
-    return [(end, end >= due * (1.0 - 1e-12))]
+    return [(end, end >= due_from(due))]
+
+
+def due_from(due: float) -> float:
+    """A time from which on a frame that is due at a time [s] is shown: rounding makes it no later."""
+    return due * (1.0 - 1e-12)
 
 
 def within(start: float, end: float, due: float, every: float) -> list[tuple[float, bool]]:

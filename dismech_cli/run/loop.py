@@ -14,7 +14,7 @@ from ..model.saved import Arrays, Numbers
 from ..model.state import State
 from ..solve.integrators import Static
 from ..solve.status import Status
-from .course import Course
+from .course import Course, Leap
 from .failure import (
     Attempt,
     Failure,
@@ -29,6 +29,7 @@ from .failure import (
     describe_unstable,
 )
 from .interrupt import StopRequest
+from .observables.snapshot import Snapshot
 from .rounded import rounded_away
 from .simulation import Simulation
 from .sink import Sink
@@ -130,7 +131,8 @@ def _advance(course: Course, limits: Limits, stop: StopRequest) -> Outcome:
             course.checkpoint()
             closed = True
         try:
-            ended = _tried(course, last)
+            leap = course.leap(limits.until)
+            ended = _tried(course, last) if leap is None else _leapt(course, last, leap)
         except (ControlError, LawError) as error:
             return _failed(course, Failure(str(error)))
         if ended is not None:
@@ -168,7 +170,20 @@ def _tried(course: Course, last: deque[Attempt]) -> Outcome | None:
     if (shorter := course.control.refused(result)) is not None:
         course.refuse(result, shorter)
         return None
-    shown, dt = course.accept(result), target - start
+    return _shown(course, course.accept(result), target - start)
+
+
+def _leapt(course: Course, last: deque[Attempt], leap: Leap) -> Outcome | None:
+    """What :func:`_tried` does after its steps were taken."""
+    last.extend(
+        Attempt(start, end, Status.CONVERGED, solves, residual, -1)
+        for start, end, solves, residual in leap.attempts[-5:]
+    )
+    return _shown(course, leap.shown, leap.dt)
+
+
+def _shown(course: Course, shown: Snapshot | None, dt: float) -> Outcome | None:
+    """Tell of steps that were taken, the last of ``dt`` [s]; how the run ended if it blew up."""
     if shown is not None and not shown.finite:
         return _blown_up(course, describe_infinite(course.simulation, shown, dt))
     if shown is not None and course.books.account.runs_away(shown.energies, course.control.t_end):

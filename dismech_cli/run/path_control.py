@@ -90,6 +90,14 @@ class PathControl:
     def refused(self, result: StepResult) -> None:
         """None: a step that Newton's method solved may stand."""
 
+    def ahead(self, most: int) -> tuple[float, ...]:
+        """None: each step goes as far as the last one allows."""
+        return ()
+
+    def passed(self, count: int) -> PathControl:
+        """Itself: no steps are ahead."""
+        return self
+
     def accepted(self, result: StepResult) -> PathControl:
         """The control a step on."""
         change = (_WANTED / max(result.iterations, 1)) ** 0.5

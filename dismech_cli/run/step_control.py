@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Protocol, Self
 
 from ..model.saved import Saved
@@ -58,6 +59,12 @@ class StepControl(Saved, Protocol):
 
     def refused(self, result: StepResult) -> Self | None:
         """The control with a shorter step if one that reached its target is no good; None if it is."""
+
+    def ahead(self, most: int) -> Sequence[float]:
+        """Ends [s] of the next steps if all go well, whatever comes of them: at most so many, or none."""
+
+    def passed(self, count: int) -> Self:
+        """The control after as many of the steps that were ahead."""
 
     def accepted(self, result: StepResult) -> Self:
         """The control after a step that reached its target."""

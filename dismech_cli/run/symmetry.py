@@ -149,9 +149,13 @@ class Symmetry:
             self._looks.clear()
         return self._found
 
+    def due(self, t: float) -> bool:
+        """Whether it is time [s] to look."""
+        return self._moves and t >= self._next
+
     def look(self, state: State, t_end: float) -> None:
         """Look at a state on the way to the end of the run [s], if it is time to."""
-        if state.t < self._next or not self._moves:
+        if not self.due(state.t):
             return
         self._next = state.t + t_end / _LOOKS
         if not self._stepper.system.pattern.symmetric:

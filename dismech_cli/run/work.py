@@ -15,6 +15,7 @@ from ..model.configuration import Configuration
 from ..model.model import Model
 from ..model.state import State
 from ..model.term import BoundEnergy, BoundTerm, Term
+from ..solve.plain import Steps
 from ..solve.system import System
 from .roles import Roles
 
@@ -106,10 +107,26 @@ class Work:
             near = {t.name: t.bind(system.pattern, model.driver) for t in _near(model, roles, moving)}
             self._damping = [near.pop(name) for name in roles.dissipative if name in near]
             self._resisting = [*near.values(), *system.changing]
+        held = np.flatnonzero(system.pattern.order < 0)
+        self._in_held = np.searchsorted(held, moving)
+        self._reacts = not self._damping and not system.changing
         bound = {term.name: term for term in system.terms}
         self._loads = [bound[name] for name in roles.loads]
         self._dissipative = [bound[name] for name in roles.dissipative]
         self._friction = [term for term in system.changing if term.name in roles.friction]
+
+    def of_ends(self, *, balanced: bool) -> bool:
+        """Whether work is that of what is held alone, which states at the ends of steps tell.
+
+        Args:
+            balanced: Whether steps end in balance.
+        """
+        busy = self._loads or self._dissipative or self._friction
+        return not busy and (not self._moving.size or (balanced and self._reacts))
+
+    def reacted(self, reactions: FloatArray | None) -> FloatArray | None:
+        """Residual on the moving DOFs, of what terms do to all that are held; None where they do more."""
+        return reactions.take(self._in_held, axis=-1) if reactions is not None and self._reacts else None
 
     def parts(self, before: Known, between: Sequence[State], after: Known) -> tuple[Part, ...]:
         """A step by its stages, each with its mean state.
@@ -136,15 +153,28 @@ class Work:
         moving = self._moving
         if not moving.size:
             return 0.0
-        (start, slow), (end, fast) = self._on_moving(before), self._on_moving(after)
-        path = end - start
-        work = 0.5 * float(self._mass @ (fast - slow))
+        places, squares = zip(self._on_moving(before), self._on_moving(after), strict=True)
+        path = places[1] - places[0]
+        work = 0.5 * float(_dot(self._mass, squares[1] - squares[0]))
         if path.any():
-            work += 0.5 * float((self._resistance(before) + self._resistance(after)) @ path)
+            work += 0.5 * float(_dot(self._resistance(before) + self._resistance(after), path))
             if self._damping:
                 still = np.ones(len(after.state.q), dtype=np.bool_)
                 still[moving] = False
                 work += _spent(self._damping, parts, still)
+        return work
+
+    def of_leap(self, before: Known, steps: Steps) -> FloatArray:
+        """The same of each of many steps, shape (count,), where it is all work there is."""
+        if not self._moving.size:
+            return np.zeros(steps.count)
+        q, v = steps.at_ends(self._moving)
+        squares, forces = v**2, self.reacted(steps.reactions)
+        assert forces is not None
+        resistance = np.concatenate((self._resistance(before)[None], forces))
+        path = q[1:] - q[:-1]
+        work: FloatArray = 0.5 * _dot(self._mass, squares[1:] - squares[:-1])
+        work += np.where(path.any(axis=1), 0.5 * _dot(resistance[:-1] + resistance[1:], path), 0.0)
         return work
 
     def of_forces(self, before: State, after: State, parts: Sequence[Part]) -> tuple[float, float, float]:
@@ -206,6 +236,11 @@ class Work:
                 term.add_residual(c, r)
             known.resistance = r.take(self._moving)
         return known.resistance
+
+
+def _dot(a: FloatArray, b: FloatArray) -> FloatArray:
+    """Sums of products along the last axis, each rounded as if it were the only one."""
+    return np.asarray((a * b).sum(axis=-1))
 
 
 def _near(model: Model, roles: Roles, moving: IntArray) -> Iterator[Term]:

@@ -7,13 +7,14 @@ is held follows paths of time alone.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 
 import numpy as np
 
 from ..arrays import BoolArray, FloatArray, IntArray
 from ..kinematics.motion import Since, prescribe
+from ..kinematics.rod_frames import FrameState
 from ..model.state import State
 from .integrators import Integrator
 from .marched import Held, March
@@ -65,7 +66,7 @@ class Steps:
         """What one of them gave."""
         march, maps, at = self.march, self.maps[step], step * self._stages
         before = self.start if step == 0 else self._state(step - 1, at, self.times[step])
-        ends = [self.times[step] + end for end in maps.ends]
+        ends = [*(self.times[step] + end for end in maps.ends[:-1]), self.times[step + 1]]
         trail = (before, *(self._state(step, at + 1 + k, end) for k, end in enumerate(ends)))
         return StepResult(
             trail[-1],
@@ -75,7 +76,31 @@ class Steps:
             march.residuals[step],
             -1,
             trail=trail,
+            reactions=march.reactions[step] if maps.balanced_end else None,
         )
+
+    def kept(self, step: int) -> State:
+        """The end of one of them, for who keeps it for long: it holds no memory but its own."""
+        end = self.result(step).state
+        frames = FrameState(*(np.array(getattr(end.frames, one.name)) for one in fields(FrameState)))
+        return replace(end, q=end.q.copy(), v=end.v.copy(), a=end.a.copy(), frames=frames)
+
+    def at_ends(self, dofs: IntArray) -> tuple[FloatArray, FloatArray]:
+        """Values and rates of some DOFs at the start and at the end of each step, shape (count + 1, K)."""
+        rows = slice(0, self.count * self._stages + 1, self._stages)
+        return self.march.rows.q[rows].take(dofs, axis=1), self.march.rows.v[rows].take(dofs, axis=1)
+
+    @property
+    def reactions(self) -> FloatArray:
+        """What terms do to held DOFs at the end of each, shape (count, K); for integrators in balance there."""
+        return self.march.reactions[: self.count]
+
+    @property
+    def attempts(self) -> list[tuple[float, float, int, float]]:
+        """Start and end [s], linear solves, and largest free residual [N] of each."""
+        solves = self.march.iterations[: self.count * self._stages].reshape(self.count, -1).sum(axis=1)
+        norms = self.march.norms.tolist()
+        return [*zip(self.times[:-1], self.times[1:], solves.tolist(), norms, strict=False)]
 
     def _state(self, step: int, row: int, t: float) -> State:
         rows, start, memory = self.march.rows, self.start, self.start.memory
@@ -117,6 +142,11 @@ class Plain:
         self._t = t
         self._maps: dict[float, StageMaps] = {}
 
+    @cached_property
+    def balanced_ends(self) -> bool:
+        """Whether steps end where their last stages are in balance."""
+        return self._maps_of(1.0).balanced_end
+
     def take(
         self, start: State, times: Sequence[float], lengths: Sequence[float], settings: NewtonSettings
     ) -> Steps | None:
@@ -144,7 +174,8 @@ class Plain:
             Held(self._held, self._values(start, ends), self._led),
             rule(system, settings, FULL_STEPS, settings.slow),
         )
-        return Steps(start, times, maps, march, self._predictor) if march.steps else None
+        count = march.steps
+        return Steps(start, times[: count + 1], maps[:count], march, self._predictor) if count else None
 
     def _maps_of(self, dt: float) -> StageMaps:
         """Maps of the stages of a step of some length [s]; those asked for of late are kept."""

@@ -39,6 +39,11 @@ class StageMaps:
     ends: tuple[float, ...]
     leads: bool
 
+    @property
+    def balanced_end(self) -> bool:
+        """Whether the end of the step is where the last stage is in balance."""
+        return bool(self.numbers[-1, 0] == 1.0) and self.balance[-1] == self.ends[-1]
+
     @classmethod
     def of(cls, integrator: Integrator, dt: float) -> StageMaps:
         """Ask an integrator, whose maps know no formula but its own."""

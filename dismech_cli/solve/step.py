@@ -190,6 +190,11 @@ class Stepper:
         kept = {**result.state.memory, **memory, LENGTH: np.array([dt])}
         return replace(result, state=replace(result.state, memory=kept), iterations=spent, put_in=put_in)
 
+    @property
+    def balanced_ends(self) -> bool:
+        """Whether steps end where their last stages are in balance."""
+        return self._binding.plain.balanced_ends
+
     def leap(self, start: State, targets: Sequence[float]) -> Steps | None:
         """Steps to times [s] as by :meth:`attempt`, as far as they are plain, from a prepared state."""
         if self._advance is not through_stages:

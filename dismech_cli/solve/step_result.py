@@ -26,6 +26,7 @@ class StepResult:
         put_in: Energy [J] that came from nothing moving: contact that was made stiffer.
         unsettled: Whether what comes and goes asked for the step once more, and that failed.
         trail: State that the step started from, and that at the end of each stage.
+        reactions: What terms do to held DOFs at the end, shape (K,); None where that is not known.
     """
 
     state: State
@@ -39,3 +40,4 @@ class StepResult:
     put_in: float = 0.0
     unsettled: bool = False
     trail: tuple[State, ...] = ()
+    reactions: FloatArray | None = None
