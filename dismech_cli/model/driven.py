@@ -7,8 +7,8 @@ the step: so actuated runs keep the order of their integrator, and nothing accum
 from __future__ import annotations
 
 from collections import deque
-from dataclasses import dataclass
-from typing import ClassVar, Final
+from dataclasses import dataclass, field
+from typing import ClassVar, Final, TypeAlias
 
 from ..arrays import BoolArray, FloatArray, IntArray
 from ..kernels.driver import Driver
@@ -41,12 +41,20 @@ class Drive:
     factors: FloatArray
 
 
+Known: TypeAlias = deque[tuple[float, FloatArray, FloatArray]]
+
+
+def _nothing_known() -> Known:
+    return deque(maxlen=_REMEMBERED)
+
+
 @dataclass(frozen=True, slots=True)
 class DrivenEnergy:
-    """A stencil energy with drives."""
+    """A stencil energy with drives; remembers the natural strains at the times and inputs last asked."""
 
     energy: StencilEnergy
     drives: tuple[Drive, ...]
+    _known: Known = field(default_factory=_nothing_known, init=False, repr=False, compare=False)
     velocity_dependent: ClassVar[bool] = False
 
     @property
@@ -70,10 +78,15 @@ class DrivenEnergy:
         return all(drive.signal.constant for drive in self.drives)
 
     def natural_at(self, t: float, inputs: FloatArray) -> FloatArray:
-        """Natural strains at time ``t``, shape (naturals, S)."""
+        """Natural strains at time ``t``, shape (naturals, S); not to be written to."""
+        for at, by, natural in self._known:
+            # inputs are frozen: other values are another array
+            if at == t and by is inputs:
+                return natural
         natural = self.energy.natural.copy()
         for drive in self.drives:
             natural[drive.row, drive.stencils] += drive.factors * drive.signal.value(t, inputs, drive.places)
+        self._known.appendleft((t, inputs, natural))
         return natural
 
     def touching(self, dofs: BoolArray) -> DrivenEnergy | None:

@@ -8,13 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from ..arrays import FloatArray
 from ..kinematics.motion import moving_dofs
 from ..model.model import Model
 from ..model.saved import Arrays, Numbers
 from ..model.state import State
 from ..model.term import BoundEnergy
 from ..solve.plain import Steps
+from ..solve.step_result import StepResult
 from ..solve.system import System
 from .growth import Growth
 from .roles import Roles
@@ -52,8 +52,8 @@ class EnergyAccount:
         if roles.surplus:
             self.columns = (*self.columns, "surplus")
         self.sums = dict.fromkeys(self.columns, 0.0)
-        # what held the state that was restored
-        self._resistance: FloatArray | None = None
+        # what was known of the state that was restored
+        self._restored: Arrays = {}
         # the sums at the start of the last step, and its ends
         self._before, self._span = dict(self.sums), (0.0, 0.0)
 
@@ -61,7 +61,7 @@ class EnergyAccount:
         """Use the bound terms of a system from time ``t`` [s] on, with the DOFs that are held then."""
         model, roles = self._model, self._roles
         moving = moving_dofs(model.motions, self._start.q, self._start.v, t)
-        self._last = self._resistance = None
+        self._last, self._restored = None, {}
         self._work = Work(model, roles, system, moving)
         self._stored = stored = Stored.of(model, roles, system)
         self._actuated = [term for term in stored.elastic if not term.steady]
@@ -84,42 +84,26 @@ class EnergyAccount:
         busy = self._actuated or self._changing or self._pushed
         return not busy and self._work.of_ends(balanced=balanced)
 
-    def leap(self, before: State, steps: Steps, after: State) -> None:
-        """Book the work of many steps from a state to another, where the account is at ease."""
+    def leap(self, before: State, steps: Steps, result: StepResult) -> None:
+        """Book the work of many steps from a state to the last result, where the account is at ease."""
         # one by one, so that a run that is resumed within them sums up the same
         *works, last = self._work.of_leap(self._see(before), steps).tolist()
         for work in works:
             self.sums["external_work"] += work
-        self._before, self._span = dict(self.sums), (steps.times[-2], after.t)
+        self._before, self._span = dict(self.sums), (steps.times[-2], result.state.t)
         self.sums["external_work"] += last
-        self._last = Known(after, self._model.frames, self._work.reacted(steps.reactions[-1]))
+        self._last = self._known(result)
 
-    def advance(
-        self,
-        before: State,
-        after: State,
-        put_in: float = 0.0,
-        between: Sequence[State] = (),
-        reactions: FloatArray | None = None,
-    ) -> None:
-        """Book the work of a step.
-
-        Args:
-            before: Its start.
-            after: Its end.
-            put_in: Energy that its changes of terms put in [J].
-            between: The ends of all stages but the last.
-            reactions: What terms do to what is held at the end, where that is known.
-        """
-        work, sums = self._work, self.sums
+    def advance(self, before: State, result: StepResult) -> None:
+        """Book the work of a step from a state."""
+        work, sums, after, put_in = self._work, self.sums, result.state, result.put_in
         self._before, self._span = dict(sums), (before.t, after.t)
         if put_in:
             self._last = None  # it was seen with other terms
             sums["external_work"] += put_in
-        start, end = self._see(before), self._see(after)
-        if end is not start:
-            end.resistance = work.reacted(reactions)
-        parts = work.parts(start, between, end)
+        start = self._see(before)
+        self._last = end = self._known(result)
+        parts = work.parts(start, result.trail[1:-1], end)
         sums["external_work"] += work.of_holds(start, end, parts)
         loads, dissipated, rubbed = work.of_forces(before, after, parts)
         sums["external_work"] += loads
@@ -151,9 +135,11 @@ class EnergyAccount:
         return entries
 
     def arrays(self) -> Arrays:
-        """What holds the state: forces of the same state summed up otherwise would be rounded otherwise."""
-        known = None if self._last is None else self._last.resistance
-        return {} if known is None else {"resistance": known}
+        """What is known of the state: found otherwise it would be rounded otherwise."""
+        if self._last is None:
+            return {}
+        known = {"resistance": self._last.resistance, "auxiliary": self._last.auxiliary}
+        return {name: values for name, values in known.items() if values is not None}
 
     def numbers(self) -> Numbers:
         """The sums."""
@@ -162,7 +148,7 @@ class EnergyAccount:
     def restore(self, arrays: Arrays, numbers: Numbers) -> EnergyAccount:
         """Go on from the sums that were saved."""
         self.sums = {name: float(numbers[name]) for name in self.columns}
-        self._resistance = arrays.get("resistance")
+        self._restored = dict(arrays)
         return self
 
     def growth(self, entries: Mapping[str, float], seconds: float) -> float:
@@ -184,6 +170,13 @@ class EnergyAccount:
     def _see(self, state: State) -> Known:
         """What is known of a state; a step begins at the end of the last one."""
         if self._last is None or self._last.state is not state:
-            self._last = Known(state, self._model.frames, self._resistance)
-            self._resistance = None
+            self._last = Known(
+                state, self._model.frames, self._restored.get("resistance"), self._restored.get("auxiliary")
+            )
+            self._restored = {}
         return self._last
+
+    def _known(self, result: StepResult) -> Known:
+        """What a step tells of its end."""
+        resistance = self._work.reacted(result.reactions)
+        return Known(result.state, self._model.frames, resistance, result.auxiliary)

@@ -86,17 +86,17 @@ class Books:
     def step(self, before: State, result: StepResult, t_end: float) -> None:
         """Book a step that was taken, of a run up to ``t_end`` [s]."""
         tick = time.perf_counter()
-        self.account.advance(before, result.state, result.put_in, result.trail[1:-1], result.reactions)
+        self.account.advance(before, result)
         self.counters.steps += 1
         if result.ambiguous:
             self.ambiguity.taken(result.state.t)
         self.symmetry.look(result.state, t_end)
         self.stopwatch.book("observe", tick)
 
-    def leap(self, before: State, steps: Steps, after: State, t_end: float) -> None:
-        """Book many steps from a state to another, of a run up to ``t_end`` [s]."""
+    def leap(self, before: State, steps: Steps, result: StepResult, t_end: float) -> None:
+        """Book many steps from a state to the last result, of a run up to ``t_end`` [s]."""
         tick = time.perf_counter()
-        self.account.leap(before, steps, after)
+        self.account.leap(before, steps, result)
         self.counters.steps += steps.count
         self.counters.iterations += steps.iterations
         for step, t in enumerate(steps.times[1:]):

@@ -25,7 +25,6 @@ from .sink import Progress, Sink
 from .step_control import StepControl
 from .tally import Stopwatch
 
-
 # Steps taken in one at most, and how many numbers they may be: within a blink.
 _MOST, _NUMBERS = 64, 2**16
 
@@ -151,9 +150,9 @@ class Course:
         return _landed(result, self.state, target)
 
     def leap(self, until: float) -> Leap | None:
-        """Take and book many steps up to a time [s] in one; None where somebody looks at each, or they take more.
+        """Take and book many steps up to a time [s] in one, which end where a frame is due.
 
-        They end where a frame is due.
+        None where somebody looks at each of them, or where they are not plain.
         """
         ahead = self._ahead(until)
         if len(ahead) < 2:
@@ -167,7 +166,7 @@ class Course:
         result = steps.result(steps.count - 1)
         if _lost(result.state) >= 0:
             return None
-        self.books.leap(self.state, steps, result.state, self.control.t_end)
+        self.books.leap(self.state, steps, result, self.control.t_end)
         self.control, self.state = self.control.passed(steps.count), result.state
         dt = steps.times[-1] - steps.times[-2]
         return Leap(self._show(before, result, dt), dt, steps.attempts)

@@ -22,8 +22,9 @@ from ..solve.step import Stepper
 from ..solve.system import System
 
 # How often a run is looked at, and how many looks are put by, as long as what is bound stays: each costs a
-# factorisation, but what is stable at the last of them was so from then on, whatever came before.
-_LOOKS, _PUT_BY = 20, 4
+# factorisation, but what is stable at the last of them was so from then on, whatever came before. All are put
+# by where they are no more numbers than these.
+_LOOKS, _PUT_BY, _NUMBERS = 20, 4, 2**20
 # A mode that grows by less than e to this power until the end of the run does not matter.
 _GROWTH = 5.0
 # Root mean square of the motion in a mode, in units of the robot's size, up to which it is rounding.
@@ -132,7 +133,8 @@ class Symmetry:
         """Look at the states of what a stepper steps."""
         self._stepper = stepper
         self._moves = bool(stepper.model.mass.any())
-        self._put_by = 0 if stepper.model.changing else _PUT_BY
+        small = _LOOKS if _LOOKS * stepper.model.dofs.n < _NUMBERS else _PUT_BY
+        self._put_by = 0 if stepper.model.changing else small
         self._next = 0.0
         self._found: Found | None = None
         self._looks: list[_Look] = []

@@ -10,7 +10,7 @@ from itertools import pairwise
 import numpy as np
 
 from ..arrays import BoolArray, FloatArray, IntArray
-from ..kinematics.rod_frames import Frames, FrameState, TrialFrames
+from ..kinematics.rod_frames import Frames, FramesAt, FrameState, TrialFrames
 from ..model.configuration import Configuration
 from ..model.model import Model
 from ..model.state import State
@@ -54,17 +54,29 @@ class Carried:
 
 @dataclass
 class Known:
-    """A state, and what has been computed of it."""
+    """A state, and what has been computed of it.
+
+    Attributes:
+        state: The state.
+        frames: Kinematics of frames.
+        resistance: What terms do to the moving DOFs.
+        auxiliary: Inputs of kernels.
+        moving: Values of the moving DOFs, and the squares of their rates.
+        energies: Of terms at their own time [J], by name.
+    """
 
     state: State
     frames: Frames
     resistance: FloatArray | None = None
+    auxiliary: FloatArray | None = None
     moving: tuple[FloatArray, FloatArray] | None = None
     energies: dict[str, float] = field(default_factory=dict)
 
     @cached_property
-    def carried(self) -> Carried:
+    def carried(self) -> FramesAt:
         """Frames at the state."""
+        if self.auxiliary is not None:
+            return TrialFrames(self.state.frames, self.auxiliary)
         return Carried(self.frames, self.state.frames, self.state.q)
 
     def at(self, other: State) -> Configuration:

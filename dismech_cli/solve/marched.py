@@ -96,6 +96,7 @@ class March:
         rows: Where their stages end.
         residuals: M a + r at the end of each, shape (steps, n): on held DOFs the force that holds them.
         reactions: Of that what terms do, shape (steps, K).
+        auxiliaries: Inputs of kernels at the end of each, shape (steps, size).
         norms: Largest free residual of each [N].
         shares: Of the lead, that would have made the guess of each best.
         iterations: Factorisations of each stage.
@@ -105,6 +106,7 @@ class March:
     rows: Rows
     residuals: FloatArray
     reactions: FloatArray
+    auxiliaries: FloatArray
     norms: FloatArray
     shares: FloatArray
     iterations: IntArray

@@ -77,6 +77,7 @@ class Steps:
             -1,
             trail=trail,
             reactions=march.reactions[step] if maps.balanced_end else None,
+            auxiliary=march.auxiliaries[step],
         )
 
     def kept(self, step: int) -> State:
@@ -92,7 +93,7 @@ class Steps:
 
     @property
     def reactions(self) -> FloatArray:
-        """What terms do to held DOFs at the end of each, shape (count, K); for integrators in balance there."""
+        """What terms do to held DOFs at the end of each, if that is in balance, shape (count, K)."""
         return self.march.reactions[: self.count]
 
     @property

@@ -27,6 +27,7 @@ class StepResult:
         unsettled: Whether what comes and goes asked for the step once more, and that failed.
         trail: State that the step started from, and that at the end of each stage.
         reactions: What terms do to held DOFs at the end, shape (K,); None where that is not known.
+        auxiliary: Inputs of kernels at the end, shape (size,); None where they are yet to be found.
     """
 
     state: State
@@ -41,3 +42,4 @@ class StepResult:
     unsettled: bool = False
     trail: tuple[State, ...] = ()
     reactions: FloatArray | None = None
+    auxiliary: FloatArray | None = None

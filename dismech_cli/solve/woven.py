@@ -73,6 +73,7 @@ class Woven:
         self._into = Linearization.of(model.dofs.n, 1)
         self._rest = TrialFrames(model.frames.rest(model.rest), np.empty(0))
         self._mass, self._split, self._length = model.mass, model.dofs.n_positions, model.length
+        self._size = model.frames.size
         self._vectors = np.zeros((8, model.dofs.n))
         self._place(pattern, parts)
         # the rows and the loops' parameters that change from stage to stage
@@ -175,6 +176,7 @@ class Woven:
             rows,
             np.empty((steps, n)),
             np.empty((steps, len(held.dofs))),
+            np.empty((steps, self._size)),
             np.empty(steps),
             np.empty(steps),
             np.empty(steps * stages, dtype=np.int64),
@@ -194,7 +196,7 @@ class Woven:
             self._band,
             self._edges,
             rows.all,
-            (out.residuals, out.reactions, out.norms, out.shares, out.iterations),
+            (out.residuals, out.reactions, out.auxiliaries, out.norms, out.shares, out.iterations),
             *self._arguments,
         )
         return out if done == steps else replace(out, steps=done)

@@ -46,8 +46,8 @@ def solve(q, numbers, limit, at, split, stage, mass, constants, sides, band, fra
             break
         if state == 0:
             {end}
-            return iteration, memory[4], r, {frames}
-    return -1, 0.0, r, {frames}
+            return iteration, memory[4], r, auxiliary, {frames}
+    return -1, 0.0, r, auxiliary, {frames}
 
 
 @main
@@ -69,15 +69,15 @@ def march(
         led: DOFs that are held or massless.
         edges_at: Where frames are.
         rows: Positions, velocities, accelerations; tangents, directors and twists; the first is the start.
-        out: Residual at the end of each step and what terms do to what is held; its largest free entry, the
-            share of the lead; iterations of each stage.
+        out: Residual at the end of each step, what terms do to what is held, and inputs of kernels; its
+            largest free entry, the share of the lead; iterations of each stage.
     """
     limit, slow, split = rules
     tolerance, length, extent, rounding = sizes
     of_vectors, of_numbers, lengths, kinds = maps
     at_held, values = held
     q, v, a, tangents, directors, twists = rows
-    residuals, reactions, norms, shares, iterations = out
+    residuals, reactions, auxiliaries, norms, shares, iterations = out
     stages = of_numbers.shape[1]
     for here in range(steps * stages):
         step, index = here // stages, here % stages
@@ -88,7 +88,7 @@ def march(
             stepping.prescribe(vectors, at_held, values[here % len(values)])
         {frames_at}
         weights = numbers[0], numbers[1], numbers[2], tolerance, length, extent, rounding
-        found, norm, r, carried, twisted = solve(
+        found, norm, r, auxiliary, carried, twisted = solve(
             vectors[7], weights, limit, here, split, (vectors[2], vectors[3], vectors[4]), mass,
             constants, sides, band, frames, {names}
         )
@@ -107,6 +107,7 @@ def march(
                 share = stepping.learnt(mass, vectors)
             shares[step] = share
             residuals[step, :] = r
+            auxiliaries[step, :] = auxiliary
     return steps
 '''
 

@@ -86,7 +86,7 @@ def test_only_what_changes_in_time_works_in_time(ramped: str) -> None:
         account.start(state)
         for _ in range(20):
             result = stepper.step(stepper.prepare(state), 5e-4)
-            account.advance(state, result.state)
+            account.advance(state, result)
             state = result.state
         books[signal] = dict(account.sums), account.measure(state)
     (steady, _), (moving, entries) = books.values()
