@@ -140,4 +140,4 @@ class BoundStencil:
         """Return the same energy with other natural strains, shape (naturals, S)."""
         parameters = self.parameters.copy()
         parameters[: self.naturals] = natural
-        return replace(self, parameters=parameters)
+        return BoundStencil(self.name, self.shares, self.naturals, self.loop, parameters)

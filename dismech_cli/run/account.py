@@ -75,14 +75,15 @@ class EnergyAccount:
             self.sums["surplus"] = self._stored.fed(self._see(state).at(state))
         self.sums["initial"] = self.measure(state)["error"]
 
-    def at_ease(self, *, balanced: bool) -> bool:
+    def at_ease(self, *, balanced: bool, watched: bool) -> bool:
         """Whether steps need not be booked one by one.
 
         Args:
             balanced: Whether they end in balance.
+            watched: Whether the account is asked for at all of them.
         """
         busy = self._actuated or self._changing or self._pushed
-        return not busy and self._work.of_ends(balanced=balanced)
+        return not busy and self._work.of_ends(balanced=balanced, watched=watched)
 
     def leap(self, before: State, steps: Steps, result: StepResult) -> None:
         """Book the work of many steps from a state to the last result, where the account is at ease."""
@@ -92,7 +93,13 @@ class EnergyAccount:
             self.sums["external_work"] += work
         self._before, self._span = dict(self.sums), (steps.times[-2], result.state.t)
         self.sums["external_work"] += last
-        self._last = self._known(result)
+        self.meet(result)
+
+    def meet(self, result: StepResult) -> Known:
+        """Remember what a step tells of its end."""
+        resistance = self._work.reacted(result.reactions)
+        self._last = Known(result.state, self._model.frames, resistance, result.auxiliary)
+        return self._last
 
     def advance(self, before: State, result: StepResult) -> None:
         """Book the work of a step from a state."""
@@ -102,7 +109,7 @@ class EnergyAccount:
             self._last = None  # it was seen with other terms
             sums["external_work"] += put_in
         start = self._see(before)
-        self._last = end = self._known(result)
+        end = self.meet(result)
         parts = work.parts(start, result.trail[1:-1], end)
         sums["external_work"] += work.of_holds(start, end, parts)
         loads, dissipated, rubbed = work.of_forces(before, after, parts)
@@ -175,8 +182,3 @@ class EnergyAccount:
             )
             self._restored = {}
         return self._last
-
-    def _known(self, result: StepResult) -> Known:
-        """What a step tells of its end."""
-        resistance = self._work.reacted(result.reactions)
-        return Known(result.state, self._model.frames, resistance, result.auxiliary)

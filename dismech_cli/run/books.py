@@ -103,6 +103,12 @@ class Books:
             if self.symmetry.due(t):
                 self.symmetry.look(steps.kept(step), t_end)
         self.stopwatch.book("observe", tick)
+        if self.framing.watches:
+            for step in range(steps.count - 1):
+                between = steps.result(step)
+                self.account.meet(between)
+                self.framing.read(between)
+            self.account.meet(result)
 
     @property
     def counts(self) -> dict[str, int]:

@@ -152,7 +152,7 @@ class Course:
     def leap(self, until: float) -> Leap | None:
         """Take and book many steps up to a time [s] in one, which end where a frame is due.
 
-        None where somebody looks at each of them, or where they are not plain.
+        None where each must be booked, or where they are not plain.
         """
         ahead = self._ahead(until)
         if len(ahead) < 2:
@@ -172,11 +172,11 @@ class Course:
         return Leap(self._show(before, result, dt), dt, steps.attempts)
 
     def _ahead(self, until: float) -> Sequence[float]:
-        """Ends [s] of the steps before anybody looks."""
+        """Ends [s] of the steps up to the next frame, where they need not be booked one by one."""
         books, simulation = self.books, self.simulation
-        if not books.framing.quiet or simulation.controls.loops or simulation.touched is not None:
+        if not books.framing.at_ends or simulation.controls.loops or simulation.touched is not None:
             return ()
-        if not books.account.at_ease(balanced=self.stepper.balanced_ends):
+        if not books.account.at_ease(balanced=self.stepper.balanced_ends, watched=books.framing.watches):
             return ()
         ahead = self.control.ahead(max(min(_MOST, _NUMBERS // len(self.state.q)), 1))
         return ahead[: bisect_left(ahead, min(books.framing.due, until)) + 1]

@@ -62,9 +62,20 @@ class Framing:
         self._residual = np.empty(0)
 
     @property
-    def quiet(self) -> bool:
-        """Whether nobody looks before the next frame is due."""
-        return self._looks is at_ends and not self._watched
+    def at_ends(self) -> bool:
+        """Whether states within steps are never looked at."""
+        return self._looks is at_ends
+
+    @property
+    def watches(self) -> bool:
+        """Whether the ends of all steps are looked at."""
+        return bool(self._watched)
+
+    def read(self, result: StepResult) -> None:
+        """Read the watched probes at the end of a step at which no frame is due."""
+        tick = time.perf_counter()
+        self._watched.read(self._observer.snapshot(result.state, result.residual))
+        self._stopwatch.book("observe", tick)
 
     @property
     def due(self) -> float:
