@@ -19,6 +19,8 @@ from .stencil import BoundStencil, StencilEnergy
 
 # A stage within a step, and its ends.
 _REMEMBERED: Final = 3
+# Numbers kept for times of many steps, which are asked for ahead: 4 MB.
+_NUMBERS: Final = 2**19
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,11 +43,8 @@ class Drive:
     factors: FloatArray
 
 
-Known: TypeAlias = deque[tuple[float, FloatArray, FloatArray]]
-
-
-def _nothing_known() -> Known:
-    return deque(maxlen=_REMEMBERED)
+Known: TypeAlias = dict[float, tuple[FloatArray, FloatArray]]
+"""Inputs, and natural strains under them, by time."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,7 +53,7 @@ class DrivenEnergy:
 
     energy: StencilEnergy
     drives: tuple[Drive, ...]
-    _known: Known = field(default_factory=_nothing_known, init=False, repr=False, compare=False)
+    _known: Known = field(default_factory=dict, init=False, repr=False, compare=False)
     velocity_dependent: ClassVar[bool] = False
 
     @property
@@ -79,14 +78,16 @@ class DrivenEnergy:
 
     def natural_at(self, t: float, inputs: FloatArray) -> FloatArray:
         """Natural strains at time ``t``, shape (naturals, S); not to be written to."""
-        for at, by, natural in self._known:
-            # inputs are frozen: other values are another array
-            if at == t and by is inputs:
-                return natural
+        by, natural = self._known.get(t, (None, inputs))
+        # inputs are frozen: other values are another array
+        if by is inputs:
+            return natural
         natural = self.energy.natural.copy()
         for drive in self.drives:
             natural[drive.row, drive.stencils] += drive.factors * drive.signal.value(t, inputs, drive.places)
-        self._known.appendleft((t, inputs, natural))
+        if len(self._known) * natural.size >= _NUMBERS:
+            self._known.clear()
+        self._known[t] = inputs, natural
         return natural
 
     def touching(self, dofs: BoolArray) -> DrivenEnergy | None:

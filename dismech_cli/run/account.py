@@ -75,15 +75,14 @@ class EnergyAccount:
             self.sums["surplus"] = self._stored.fed(self._see(state).at(state))
         self.sums["initial"] = self.measure(state)["error"]
 
-    def at_ease(self, *, balanced: bool, watched: bool) -> bool:
+    def at_ease(self, *, balanced: bool) -> bool:
         """Whether steps need not be booked one by one.
 
         Args:
             balanced: Whether they end in balance.
-            watched: Whether the account is asked for at all of them.
         """
         busy = self._actuated or self._changing or self._pushed
-        return not busy and self._work.of_ends(balanced=balanced, watched=watched)
+        return not busy and self._work.of_ends(balanced=balanced)
 
     def leap(self, before: State, steps: Steps, result: StepResult) -> None:
         """Book the work of many steps from a state to the last result, where the account is at ease."""

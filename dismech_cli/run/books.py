@@ -93,22 +93,32 @@ class Books:
         self.symmetry.look(result.state, t_end)
         self.stopwatch.book("observe", tick)
 
-    def leap(self, before: State, steps: Steps, result: StepResult, t_end: float) -> None:
-        """Book many steps from a state to the last result, of a run up to ``t_end`` [s]."""
+    def leap(self, before: State, steps: Steps, result: StepResult, t_end: float, *, balanced: bool) -> None:
+        """Book many steps from a state to the last result, of a run up to ``t_end`` [s].
+
+        Args:
+            before: Where they begin.
+            steps: The steps.
+            result: The last one.
+            t_end: End of the run [s].
+            balanced: Whether they end in balance.
+        """
         tick = time.perf_counter()
-        self.account.leap(before, steps, result)
         self.counters.steps += steps.count
         self.counters.iterations += steps.iterations
         for step, t in enumerate(steps.times[1:]):
             if self.symmetry.due(t):
                 self.symmetry.look(steps.kept(step), t_end)
-        self.stopwatch.book("observe", tick)
-        if self.framing.watches:
+        if self.account.at_ease(balanced=balanced) and not self.framing.watches:
+            self.account.leap(before, steps, result)
+        else:
             for step in range(steps.count - 1):
-                between = steps.result(step)
-                self.account.meet(between)
-                self.framing.read(between)
-            self.account.meet(result)
+                one = steps.result(step)
+                self.account.advance(before, one)
+                self.framing.read(one)
+                before = one.state
+            self.account.advance(before, result)
+        self.stopwatch.book("observe", tick)
 
     @property
     def counts(self) -> dict[str, int]:

@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..errors import LawError
 from ..model.saved import Arrays, Numbers, Saved, restore_all, save_all, within
 from ..model.state import State
 from ..solve.status import Status
@@ -152,31 +153,33 @@ class Course:
     def leap(self, until: float) -> Leap | None:
         """Take and book many steps up to a time [s] in one, which end where a frame is due.
 
-        None where each must be booked, or where they are not plain.
+        None where something acts between them, or where they are not plain.
         """
         ahead = self._ahead(until)
         if len(ahead) < 2:
             return None
         tick, before = time.perf_counter(), self.state
         self._prepare()
-        steps = self.stepper.leap(self.state, ahead)
+        try:
+            steps = self.stepper.leap(self.state, ahead)
+        except LawError:
+            # not before its time: a step up to there may do without
+            return None
         self.books.stopwatch.book("solve", tick)
         if steps is None:
             return None
         result = steps.result(steps.count - 1)
         if _lost(result.state) >= 0:
             return None
-        self.books.leap(self.state, steps, result, self.control.t_end)
+        self.books.leap(self.state, steps, result, self.control.t_end, balanced=self.stepper.balanced_ends)
         self.control, self.state = self.control.passed(steps.count), result.state
         dt = steps.times[-1] - steps.times[-2]
         return Leap(self._show(before, result, dt), dt, steps.attempts)
 
     def _ahead(self, until: float) -> Sequence[float]:
-        """Ends [s] of the steps up to the next frame, where they need not be booked one by one."""
+        """Ends [s] of the steps up to the next frame, where nothing acts on the states between them."""
         books, simulation = self.books, self.simulation
         if not books.framing.at_ends or simulation.controls.loops or simulation.touched is not None:
-            return ()
-        if not books.account.at_ease(balanced=self.stepper.balanced_ends, watched=books.framing.watches):
             return ()
         ahead = self.control.ahead(max(min(_MOST, _NUMBERS // len(self.state.q)), 1))
         return ahead[: bisect_left(ahead, min(books.framing.due, until)) + 1]

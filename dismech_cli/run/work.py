@@ -127,15 +127,14 @@ class Work:
         self._dissipative = [bound[name] for name in roles.dissipative]
         self._friction = [term for term in system.changing if term.name in roles.friction]
 
-    def of_ends(self, *, balanced: bool, watched: bool) -> bool:
+    def of_ends(self, *, balanced: bool) -> bool:
         """Whether work is that of what is held alone, which states at the ends of steps tell.
 
         Args:
             balanced: Whether steps end in balance.
-            watched: Whether there may be none at all.
         """
         busy = self._loads or self._dissipative or self._friction
-        return not busy and (not self._moving.size or (balanced and self._reacts and not watched))
+        return not busy and (not self._moving.size or (balanced and self._reacts))
 
     def reacted(self, reactions: FloatArray | None) -> FloatArray | None:
         """Residual on the moving DOFs, of what terms do to all that are held; None where they do more."""
