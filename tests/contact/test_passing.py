@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from passing import Features, crossing, passing
+from benchmarks.passing import Features, crossing, passing
 
 NO_TRIANGLES = np.empty((0, 3), dtype=np.int64)
 

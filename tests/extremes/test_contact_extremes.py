@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 import yaml
 from numpy.testing import assert_array_equal
-from passing import passed
+from benchmarks.passing import passed
 
 import dismech_cli
 from dismech_cli.errors import ScenarioError

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from passing import passed
+from benchmarks.passing import passed
 
 import dismech_cli
 from dismech_cli.arrays import FloatArray, IntArray
