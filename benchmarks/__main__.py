@@ -35,7 +35,7 @@ SECTIONS = (
     "drawing",
     "memory",
 )
-TABLES = ("adaptive", "check_times", "extremes", "published", "scene_trade", "trade_tables")
+TABLES = ("adaptive", "check_times", "crossings", "extremes", "published", "scene_trade", "trade_tables")
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 HERE = Path(__file__).resolve().parent
 

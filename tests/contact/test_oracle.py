@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from benchmarks.oracle.distances import between_segments, to_triangle
 from dismech_cli.arrays import FloatArray, IntArray
 from dismech_cli.contact.drivers.batches import Batches
 from dismech_cli.contact.drivers.loops import Loops, loops_of
@@ -52,50 +53,6 @@ def laid_out(x: FloatArray) -> tuple[FloatArray, IntArray]:
     return np.ascontiguousarray(x.transpose(2, 0, 1).reshape(-1, 3)), np.arange(n * count).reshape(count, n)
 
 
-def to_segment(p: FloatArray, a: FloatArray, b: FloatArray) -> FloatArray:
-    """Distances of points from segments."""
-    u = b - a
-    t = np.clip(((p - a) * u).sum(axis=0) / (u * u).sum(axis=0), 0.0, 1.0)
-    return np.asarray(np.linalg.norm(p - a - t * u, axis=0))
-
-
-def between_segments(a: FloatArray, b: FloatArray, c: FloatArray, d: FloatArray) -> FloatArray:
-    """Distances of segments: of ends, or of the points where the lines are nearest."""
-    ends = [to_segment(a, c, d), to_segment(b, c, d), to_segment(c, a, b), to_segment(d, a, b)]
-    u, v, w = b - a, d - c, a - c
-    uu, uv, vv, uw, vw = ((p * q).sum(axis=0) for p, q in ((u, u), (u, v), (v, v), (u, w), (v, w)))
-    square = (np.cross(u, v, axis=0) ** 2).sum(axis=0)
-    with np.errstate(all="ignore"):
-        s, t = (uv * vw - vv * uw) / square, (uu * vw - uv * uw) / square
-        inner = np.linalg.norm(w + s * u - t * v, axis=0)
-    inside = (square > 0.0) & (s > 0.0) & (s < 1.0) & (t > 0.0) & (t < 1.0)
-    return np.min([*ends, np.where(inside, inner, np.inf)], axis=0)
-
-
-def to_triangle(p: FloatArray, corners: FloatArray) -> FloatArray:
-    """Distances of points from triangles."""
-    a, b, c = corners
-    n = np.cross(b - a, c - a, axis=0)
-    sides = [(a, b), (b, c), (c, a)]
-    inside = np.all([(np.cross(n, q - r, axis=0) * (p - r)).sum(axis=0) >= 0.0 for r, q in sides], axis=0)
-    height = np.abs((n * (p - a)).sum(axis=0)) / np.linalg.norm(n, axis=0)
-    return np.min([np.where(inside, height, np.inf), *(to_segment(p, *side) for side in sides)], axis=0)
-
-
-def through_triangle(p: FloatArray, q: FloatArray, corners: FloatArray) -> FloatArray:
-    """Distances of segments from triangles, 0 where they pass through."""
-    a, b, c = corners
-    n = np.cross(b - a, c - a, axis=0)
-    with np.errstate(all="ignore"):
-        s = (n * (a - p)).sum(axis=0) / (n * (q - p)).sum(axis=0)
-        inner = to_triangle(p + s * (q - p), corners)
-    sides = [between_segments(p, q, *side) for side in ((a, b), (b, c), (c, a))]
-    through = (s >= 0.0) & (s <= 1.0)
-    return np.min(
-        [to_triangle(p, corners), to_triangle(q, corners), *sides, np.where(through, inner, np.inf)], axis=0
-    )
-
-
 @pytest.fixture(params=["numpy", "numba"])
 def loops(request: pytest.FixtureRequest) -> Loops:
     """Both kinds."""
@@ -109,14 +66,14 @@ def loops(request: pytest.FixtureRequest) -> Loops:
 def test_distances_by_brute_force(loops: Loops, kind: str) -> None:
     """20 000 pairs of segments of each kind, never below the least nor above it; then of triangles."""
     x = drawn(kind, 4, 20_000)
-    expected = between_segments(*x)
+    expected = between_segments(x)
     found = loops.segment_distances(*laid_out(x))
     # lines all but parallel that pass each other have their foot known to the square root of rounding
     assert_allclose(found, expected, rtol=0, atol=1e-7 if kind == "parallel" else 1e-9)
     assert np.median(np.abs(found - expected)) < 1e-15
     x = drawn(kind, 5, 20_000)
     found = loops.face_distances(*laid_out(x))
-    assert_allclose(found, through_triangle(x[0], x[1], x[2:]), rtol=0, atol=1e-9)
+    assert_allclose(found, to_triangle(x), rtol=0, atol=1e-9)
 
 
 def sampled(pieces: Pieces) -> Points:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from benchmarks.passing import Features, crossing, passing
+
+from benchmarks.oracle.passing import Features, crossing, passing
 
 NO_TRIANGLES = np.empty((0, 3), dtype=np.int64)
 

@@ -16,9 +16,9 @@ import numpy as np
 import pytest
 import yaml
 from numpy.testing import assert_array_equal
-from benchmarks.passing import passed
 
 import dismech_cli
+from benchmarks.oracle.passing import passed
 from dismech_cli.errors import ScenarioError
 from dismech_cli.run.loop import End, Limits
 from dismech_cli.scenario.load import load_mapping

@@ -15,6 +15,9 @@ from scipy.spatial import cKDTree
 
 from dismech_cli import Report
 from dismech_cli.arrays import FloatArray, IntArray
+from dismech_cli.output.frame import Frame
+
+from .rigid import Rigid
 
 _Meet: TypeAlias = Callable[[FloatArray], bool]
 
@@ -42,29 +45,34 @@ class Features:
     rest: FloatArray
 
 
-def features(report: Report) -> Features:
-    """Those of a run."""
+def features(report: Report, rigid: Rigid) -> Features:
+    """Those of a run; what obstacles are made of has the nodes after those of bodies."""
     topology = report.composition.simulation.topology
-    triangles = topology.triangles
+    obstacles = rigid.triangles + len(topology.rest_positions)
+    triangles = np.concatenate((topology.triangles, obstacles))
     sides = np.concatenate([topology.edges, *(triangles[:, pair] for pair in ([0, 1], [1, 2], [2, 0]))])
     edges = np.unique(np.sort(sides, axis=1), axis=0)
-    return Features(edges=edges, triangles=triangles, rest=topology.rest_positions)
+    rest = np.concatenate((topology.rest_positions, rigid.vertices(0.0)))
+    return Features(edges=edges, triangles=triangles, rest=rest)
 
 
 def passed(report: Report) -> list[tuple[float, list[int]]]:
     """Time [s] and the four nodes of everything that passed through something, between any two frames."""
-    what, frames = features(report), report.frames
+    rigid = Rigid.of(report)
+    what, frames = features(report, rigid), report.frames
     flat = np.ptp(np.concatenate([frame.positions for frame in frames]), axis=0) == 0.0
     found: list[tuple[float, list[int]]] = []
-    before = frames[0].positions
+    before = _places(frames[0], rigid)
     for frame in frames[1:]:
-        if flat.any():
-            four = crossing(what, frame.positions[:, ~flat])
-        else:
-            four = passing(what, before, frame.positions)
+        now = _places(frame, rigid)
+        four = crossing(what, now[:, ~flat]) if flat.any() else passing(what, before, now)
         found += [(float(frame.t), nodes) for nodes in four.tolist()]
-        before = frame.positions
+        before = now
     return found
+
+
+def _places(frame: Frame, rigid: Rigid) -> FloatArray:
+    return np.concatenate((frame.positions, rigid.vertices(frame.t)))
 
 
 def passing(what: Features, x0: FloatArray, x1: FloatArray) -> IntArray:
@@ -72,13 +80,13 @@ def passing(what: Features, x0: FloatArray, x1: FloatArray) -> IntArray:
     found = [np.empty((0, 4), dtype=np.int64)]
     spots = np.concatenate((x0, x1), axis=1).reshape(len(x0), 2, 3)
     edges = _boxes(spots, what.edges)
-    for i, j in _chunks(_near(edges, edges)):
+    for i, j in _chunks(near(edges, edges)):
         one = i < j
         four = np.concatenate((what.edges[i[one]], what.edges[j[one]]), axis=1)
         found.append(_through(what, four, x0, x1, _edges_meet))
     if len(what.triangles):
         nodes = np.unique(what.edges.reshape(-1))
-        for i, j in _chunks(_near(_boxes(spots, nodes[:, None]), _boxes(spots, what.triangles))):
+        for i, j in _chunks(near(_boxes(spots, nodes[:, None]), _boxes(spots, what.triangles))):
             four = np.concatenate((nodes[i][:, None], what.triangles[j]), axis=1)
             found.append(_through(what, four, x0, x1, _inside))
     return np.concatenate(found)
@@ -89,7 +97,7 @@ def _boxes(spots: FloatArray, nodes: IntArray) -> tuple[FloatArray, FloatArray]:
     return places.min(axis=1), places.max(axis=1)
 
 
-def _near(one: tuple[FloatArray, FloatArray], two: tuple[FloatArray, FloatArray]) -> IntArray:
+def near(one: tuple[FloatArray, FloatArray], two: tuple[FloatArray, FloatArray]) -> IntArray:
     """Pairs of boxes that overlap, shape (2, P)."""
     sizes = [float(np.linalg.norm(high - low, axis=1).max()) / 2 for low, high in (one, two)]
     trees = [cKDTree((low + high) / 2) for low, high in (one, two)]

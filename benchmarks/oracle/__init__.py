@@ -1,0 +1,1 @@
+"""What looks at frames of contact, and shares no code with what makes them."""
