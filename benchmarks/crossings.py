@@ -39,7 +39,8 @@ class Seen:
         frames: How many, one at each step.
         deepest: Penetration of all frames; below zero where nothing touched.
         told: That which the run tells, at the end of any step.
-        allowed: What is asked for: the tolerance, none within the stop of a barrier, else what is doubtful.
+        allowed: What is asked for: the tolerance, nothing within the stop of a barrier, what is doubtful
+            where a stiffness is given; None with the family's law, which is there for its data.
         passed: What passed through something: times [s] and nodes.
         seconds: Wall time, of the run and of the oracle.
     """
@@ -47,14 +48,14 @@ class Seen:
     frames: int
     deepest: float
     told: float
-    allowed: float
+    allowed: float | None
     passed: list[tuple[float, list[int]]]
     seconds: tuple[float, float]
 
     @property
     def sound(self) -> bool:
         """Whether all is as asked for."""
-        return not self.passed and self.deepest <= self.allowed + ROUNDING
+        return not self.passed and (self.allowed is None or self.deepest <= self.allowed + ROUNDING)
 
 
 def scenes() -> list[Path]:
@@ -90,15 +91,17 @@ def seen(file: Path) -> Seen:
     )
 
 
-def _asked(law: PenaltyLaw | BarrierLaw | CompatLaw) -> tuple[float, float]:
+def _asked(law: PenaltyLaw | BarrierLaw | CompatLaw) -> tuple[float, float | None]:
     """Distance to keep, as a share of that at which surfaces touch, and what may be missed of it."""
     match law:
         case BarrierLaw(stop=stop):
             return stop, 0.0
         case PenaltyLaw(allowed=float() as allowed):
             return 1.0, allowed
-        case _:
+        case PenaltyLaw():
             return 1.0, _DOUBTFUL
+        case CompatLaw():
+            return 1.0, None
 
 
 def page(kept: dict[str, dict[str, Any]]) -> str:
@@ -106,15 +109,20 @@ def page(kept: dict[str, dict[str, Any]]) -> str:
     head = ["scene", "frames", "deepest", "told by the run", "asked for", "passed through"]
     rows = []
     for name, one in sorted(kept.items()):
-        shares = [f"{100.0 * one[key]:.2f} %" for key in ("deepest", "told", "allowed")]
+        shares = [_percent(one[key]) for key in ("deepest", "told", "allowed")]
         rows.append([name, one["frames"], *shares, len(one["passed"]) or "nothing"])
     return (
         "# Penetration of shipped scenes\n\n"
         "Written by `python -m benchmarks crossings`: at every step, as shares of the thickness, by\n"
         "distances and signs of volumes that share no code with what finds contact. A barrier asks that\n"
-        "nothing comes within its stop; where a stiffness is given 20 % is what a run would warn of.\n\n"
+        "nothing comes within its stop; where a stiffness is given 20 % is what a run would warn of;\n"
+        "data of others ask for none.\n\n"
         f"{table(head, rows)}\n"
     )
+
+
+def _percent(share: float | None) -> str:
+    return "none" if share is None else f"{100.0 * share:.2f} %"
 
 
 def main(names: Sequence[str]) -> None:

@@ -27,6 +27,7 @@ from .nearby.neighbours import Neighbours
 from .nearby.searches import Searches
 from .obstacles.near_wall import NearWall
 from .obstacles.walls import Wall
+from .pairs.anchored_pairs import Paired
 from .pairs.rod_pairs import RodPairs
 from .pairs.search import Search
 from .pairs.surface_pairs import SurfacePairs
@@ -41,6 +42,11 @@ _KEPT: Final = 3
 HARDNESS, DEEPEST, WORST = "contact.hardness", "contact.deepest", "contact.worst"
 
 
+def as_found(pairs: Source, name: str) -> Source:
+    """What finds bodies that touch each other, as it is."""
+    return pairs
+
+
 @dataclass(frozen=True, slots=True)
 class Friction:
     """Regularised Coulomb friction.
@@ -49,27 +55,30 @@ class Friction:
         full: Speed at which it is all but full [m/s]; of anchored friction a way [m].
         kind: Which tangent Newton's method is given.
         wall: Makes of obstacles what finds lines that touch them.
+        pairs: Makes of what finds bodies that touch each other, with its name, what it is for this friction.
     """
 
     full: float
     kind: type[SymmetricFriction] | type[FullFriction]
     wall: Callable[[Wall], Source] = NearWall
+    pairs: Callable[[Paired, str], Source] = as_found
 
 
 def along_lines(contact: Contact, driver: Driver) -> Iterator[Source]:
     """What finds lines that touch obstacles and bodies, and what keeps things apart."""
     wall = NearWall if contact.friction is None else contact.friction.wall
+    pairs = as_found if contact.friction is None else contact.friction.pairs
     yield from (wall(one) for one in contact.walls)
     # each search has loops of its own: what it found last stays until it looks again
     searches = Searches()
     if contact.neighbours is not None:
         rods = Search(contact.neighbours, loops_of(driver))
         searches = replace(searches, rods=rods)
-        yield RodPairs(rods)
+        yield pairs(RodPairs(rods), "rods")
     if contact.faces is not None:
         faces = FaceSearch(contact.faces, loops_of(driver))
         searches = replace(searches, faces=faces)
-        yield SurfacePairs(faces)
+        yield pairs(SurfacePairs(faces), "faces")
     yield from contact.guards.sources(searches, loops_of(driver))
 
 

@@ -77,8 +77,7 @@ def test_a_resumed_run_is_the_straight_run(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"pairs": None}, "stick: anchors hold on obstacles only"),
-        ({"law": {"core": "on"}}, "stick: anchors know soft contact alone"),
+        ({"law": {"type": "barrier"}}, "stick: anchors know soft contact alone"),
         ({"friction": {"coefficient": 0.4, "slip_length": 1e-4}}, "with stick: anchored only"),
     ],
 )

@@ -152,3 +152,22 @@ def test_refused(change: dict[str, Any], message: str) -> None:
     deck["obstacles"][0] = {key: value for key, value in deck["obstacles"][0].items() if value is not None}
     with pytest.raises(ScenarioError, match=message):
         begun(deck)
+
+
+def test_a_corner_that_comes_through_a_triangle_is_told() -> None:
+    """Shells touch obstacles by their edges: what passes between these pushes nothing."""
+    deck = on_mesh()
+    shape = {"shape": "sheet", "origin": [0, 0, 0], "length": 1, "width": 1, "divisions": 1}
+    deck["geometry"] = [
+        {"type": "shell", "name": "sheet", "material": "m", "thickness": 0.01, "generate": shape}
+    ]
+    rising = {"displacement": [0, 0, {"ramp": {"from": 0, "to": 0.2, "end": 0.1}}]}
+    box = {"file": "box.txt", "scale": 0.05, "move": [0.7, 0.2, -0.1]}
+    deck["obstacles"] = [{"name": "box", "type": "mesh", "mesh": box, "solid": True, "motion": rising}]
+    deck["contact"] = {"pairs": [{"between": ["sheet", "box"]}]}
+    deck["motions"] = [{"type": "pin", "where": {"nodes": {"of": "sheet", "indices": [0, 1, 2]}}}]
+    deck["forces"] = []
+    deck["numerics"] = {"integrator": {"type": "implicit_euler"}, "dt": 0.01, "t_end": 0.1}
+    deck["output"] = {"every": 0.02}
+    (warning,) = simulate(deck).warnings
+    assert "a triangle of a shell is pierced by 8 edges of 'box' at t = 0.04 s" in warning

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -10,8 +11,11 @@ from ...arrays import FloatArray, IntArray
 from ...contact.contact import Contact, Friction, along_lines
 from ...contact.law.stiffness import Given, Rule, Tolerant
 from ...contact.nearby.exclusion import near_along
+from ...contact.nearby.faces import Faces
+from ...contact.nearby.neighbours import Neighbours
 from ...contact.obstacles.anchored_wall import AnchoredWall
 from ...contact.obstacles.walls import Wall
+from ...contact.pairs.anchored_pairs import AnchoredPairs
 from ...contact.pieces.lines import Lines
 from ...contact.terms import AnchoredFriction, FullFriction, SymmetricFriction
 from ...scenario.language.contact import CompatLaw, Law, PenaltyLaw
@@ -60,10 +64,28 @@ def make_contact(scene: Scene, structure: Structure) -> Contact:
         rule=rule,
         friction=_friction(spec, lines, among_bodies=bool(bodies)),
         guards=make_guards(
-            spec.law, walls, neighbours, faces, sides, structure.dofs.space_positions(structure.rest)
+            spec.law,
+            *(_smooth(walls, neighbours, faces) if _anchored(spec) else (walls, neighbours, faces)),
+            sides,
+            structure.dofs.space_positions(structure.rest),
         ),
         pairs=tuple(named_pairs(scene.scenario)),
         finding=finding,
+    )
+
+
+def _anchored(spec: ContactSpec) -> bool:
+    return spec.friction is not None and spec.friction.stick == "anchored"
+
+
+def _smooth(
+    walls: tuple[Wall, ...], neighbours: Neighbours | None, faces: Faces | None
+) -> tuple[tuple[Wall, ...], Neighbours | None, Faces | None]:
+    """All without friction: anchors are of lines, and what a core holds has none."""
+    return (
+        tuple(replace(wall, friction=np.zeros_like(wall.friction)) for wall in walls),
+        neighbours and replace(neighbours, friction=np.zeros_like(neighbours.friction)),
+        faces and replace(faces, friction=np.zeros_like(faces.friction)),
     )
 
 
@@ -87,9 +109,14 @@ def _friction(spec: ContactSpec, lines: Lines, *, among_bodies: bool) -> Frictio
     rough = spec.friction
     if rough is None:
         return None
-    if rough.stick == "anchored":
+    if _anchored(spec):
         length = _LENGTH * 2.0 * float(lines.radii.min()) if rough.slip_length is None else rough.slip_length
-        return Friction(length, AnchoredFriction, partial(AnchoredWall, length=length))
+        return Friction(
+            length,
+            AnchoredFriction,
+            partial(AnchoredWall, length=length),
+            partial(AnchoredPairs, length=length),
+        )
     match rough.tangent:
         case "full":
             kind: type[FullFriction] | type[SymmetricFriction] = FullFriction

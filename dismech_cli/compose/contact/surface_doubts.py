@@ -17,6 +17,7 @@ from ...contact.obstacles.walls import Wall
 from ...contact.pieces.inside import inside
 from ...kinematics.dofs import DofMap
 from ...mesh.topology.components import components
+from ...mesh.topology.sides import half_edges
 from ...run.observables.snapshot import Snapshot
 from ...run.validity import Check
 from ...scenario.language.obstacle import MeshObstacle
@@ -52,6 +53,35 @@ class Pierced:
         both = np.concatenate((own, self.surface.vertices))
         found = crossings(both, self.lines, self.surface.triangles + len(own))
         return np.bincount(found[:, 0], minlength=len(self.lines)).astype(np.float64)
+
+
+@dataclass(frozen=True, slots=True)
+class Poked:
+    """How many edges of a surface pass through each triangle of shells.
+
+    Shells touch a surface by their edges: a corner of it that is sharper than they are fine may come through
+    between these.
+
+    Attributes:
+        map: Numbering of the DOFs.
+        triangles: Of the shells, shape (T, 3).
+        edges: Of the surface, ends among its vertices, shape (E, 2).
+        surface: The surface.
+        pose: Where it is.
+    """
+
+    map: DofMap
+    triangles: IntArray
+    edges: IntArray
+    surface: RigidSurface
+    pose: Pose
+
+    def __call__(self, s: Snapshot) -> FloatArray:
+        """Look at a state."""
+        x = self.map.space_positions(s.state.q)
+        own = self.pose.at(s.state.law_time).inward(x.T).T
+        found = crossings(np.concatenate((own, self.surface.vertices)), self.edges + len(own), self.triangles)
+        return np.bincount(found[:, 1], minlength=len(self.triangles)).astype(np.float64)
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,6 +123,15 @@ def surface_checks(scene: Scene, contact: Contact) -> Iterator[Check]:
             partial(_passes, name),
             _ADVICE,
         )
+        triangles = _of_shells(scene, contact, wall)
+        if len(triangles):
+            yield Check(
+                Poked(wall.map, triangles, _edges(surface), surface, wall.obstacle.pose),
+                0.5,
+                triangles[:, 0],
+                partial(_pokes, name),
+                "shells touch a surface by their edges; give them finer ones there, or round the surface",
+            )
         if solid:
             nodes = _of_each_part(lines)
             yield Check(
@@ -128,6 +167,11 @@ def _passes(name: str, count: float) -> str:
     return f"an edge passes through {triangles} of '{name}'"
 
 
+def _pokes(name: str, count: float) -> str:
+    edges = f"{count:.0f} edges" if count > 1.0 else "an edge"
+    return f"a triangle of a shell is pierced by {edges} of '{name}'"
+
+
 def _is_inside(name: str, count: float) -> str:
     return f"a body is inside of '{name}'"
 
@@ -138,6 +182,17 @@ def _surfaces(scene: Scene, contact: Contact) -> Iterator[tuple[Wall, RigidSurfa
         shape = wall.obstacle.shape
         if isinstance(shape, RigidSurface):
             yield wall, shape, solid[wall.obstacle.name]
+
+
+def _of_shells(scene: Scene, contact: Contact, wall: Wall) -> IntArray:
+    """Triangles of the shells that may touch an obstacle, shape (T, 3)."""
+    geometry = scene.geometry
+    bodies = np.array(geometry.shell_keys, dtype=np.int64)[geometry.triangle_shell]
+    return np.asarray(geometry.triangles[np.isin(bodies, wall.lines.bodies)])
+
+
+def _edges(surface: RigidSurface) -> IntArray:
+    return np.unique(np.sort(half_edges(surface.triangles), axis=1), axis=0)
 
 
 def _of_each_part(lines: IntArray) -> IntArray:

@@ -69,10 +69,13 @@ class Facing:
             self._last[:] = [Shared.of(self.junctions, rows)]
         (shared,) = self._last
         faced = Faced(which, self.nodes, reach, factor, self.junctions, shared)
-        triangles, sides, corners = near.strips(faced)
-        yield 0, triangles, self._every
-        yield 1, sides, shared.side_owner
-        yield 2, corners, shared.corner_owner
+        for kind, strips in enumerate(near.strips(faced)):
+            yield kind, strips, self.owners(kind)
+
+    def owners(self, kind: int) -> IntArray:
+        """A pair that each item last asked for belongs to: of triangles, sides or corners, by kind."""
+        (shared,) = self._last
+        return (self._every, shared.side_owner, shared.corner_owner)[kind]
 
 
 def _kinds(faces: Faces, triangles: IntArray) -> IntArray:

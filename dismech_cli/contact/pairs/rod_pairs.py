@@ -68,6 +68,7 @@ class Active:
         between: What the bodies of each of all rows are to each other.
         reach: Distance at which they touch [m], shape (K,).
         scale: Stiffness times rest length times sign, at factor one [N/m], shape (K,).
+        owners: A pair that each of all rows belongs to, shape (R,).
     """
 
     kind: int
@@ -75,6 +76,7 @@ class Active:
     between: Between
     reach: FloatArray
     scale: FloatArray
+    owners: IntArray
 
 
 class RodPairs:
@@ -118,7 +120,7 @@ class RodPairs:
         rows, count = self._rows, len(self._placed.keys)
         both = np.concatenate((active, active + count))
         reach, stiff = self._reach, self._stiff
-        yield Active(0, both, self._between, reach[both], stiff[both])
+        yield Active(0, both, self._between, reach[both], stiff[both], np.arange(2 * count))
         met = rows.meeting[both].reshape(-1)
         sides = from_here_on(np.bincount(met[met >= 0], minlength=len(rows.corners)), rows.until)
         over = np.maximum(sides - 1, 0)
@@ -130,7 +132,8 @@ class RodPairs:
         last = np.zeros(len(rows.corners), dtype=np.int64)
         last[met[met >= 0]] = np.repeat(both, 2)[met >= 0]
         own = last[corners]
-        yield Active(1, corners, self._between.some(last), reach[own], -over[corners] * stiff[own])
+        scale = -over[corners] * stiff[own]
+        yield Active(1, corners, self._between.some(last), reach[own], scale, last)
 
     def velocities(self, touching: Touching, x: FloatArray, v: FloatArray, t: float) -> FloatArray:
         """Relative velocities at points of contact [m/s], shape (3, K)."""
@@ -140,6 +143,23 @@ class RodPairs:
     def stencils(self) -> tuple[Stencils, ...]:
         """Nodes of lines and segments, and of lines and vertices."""
         return self._stencils
+
+    @property
+    def placed(self) -> IntArray:
+        """Numbers of lines and of the segments that they face, of all pairs that have places, both ways."""
+        return self._rows.directed
+
+    def faced_nodes(self, faced: IntArray) -> IntArray:
+        """Nodes of segments, shape (K, 2)."""
+        return self._all.lines.nodes[faced]
+
+    def line_nodes(self, lines: IntArray) -> IntArray:
+        """Nodes of lines, shape (K, 2)."""
+        return self._all.lines.nodes[lines]
+
+    def owners(self, kind: int) -> IntArray:
+        """A pair that each item of a kind that touches belongs to, by its row in ``placed``, shape (S,)."""
+        return self._active[kind].owners
 
     def depths(self, x: FloatArray, t: float) -> Depths:
         """Penetration of pairs of lines, told of the first."""

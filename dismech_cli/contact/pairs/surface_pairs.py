@@ -80,6 +80,23 @@ class SurfacePairs:
         """Nodes of lines with triangles, sides and corners."""
         return self._stencils
 
+    @property
+    def placed(self) -> IntArray:
+        """Numbers of lines and triangles of all pairs that have places, shape (P, 2)."""
+        return self._facing.pairs
+
+    def faced_nodes(self, faced: IntArray) -> IntArray:
+        """Corners of triangles, shape (K, 3)."""
+        return self._all.surface.nodes[faced]
+
+    def line_nodes(self, lines: IntArray) -> IntArray:
+        """Nodes of lines, shape (K, 2)."""
+        return self._all.lines.nodes[lines]
+
+    def owners(self, kind: int) -> IntArray:
+        """A pair that each item of a kind that touches belongs to, by its row in ``placed``, shape (S,)."""
+        return self._facing.owners(kind)
+
     def depths(self, x: FloatArray, t: float) -> Depths:
         """Penetration of each line into each body, its deepest."""
         every, seen = self._all, self._search.look(x)

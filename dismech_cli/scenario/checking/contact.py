@@ -44,24 +44,10 @@ def contact_findings(scenario: Scenario) -> Iterator[Finding]:
         case _:
             pass
     friction, law = scenario.contact.friction, scenario.contact.law
-    if friction is not None and friction.stick == "anchored":
-        path = ("contact", "friction", "stick")
-        if any(other not in {one.name for one in scenario.obstacles} for other in _seconds(scenario)):
-            yield path, "anchors hold on obstacles only; give `pairs` of bodies with obstacles alone"
-        if not isinstance(law, PenaltyLaw) or law.core == "on":
-            yield path, "anchors know soft contact alone; take type: penalty with core: auto"
+    if friction is not None and friction.stick == "anchored" and not isinstance(law, PenaltyLaw):
+        yield ("contact", "friction", "stick"), "anchors know soft contact alone; take type: penalty"
     if isinstance(scenario.numerics.integrator, Static) and _rubs(scenario.contact):
         yield ("contact", "friction"), "nothing slips in a static run: friction would do nothing"
-
-
-def _seconds(scenario: Scenario) -> Iterator[str]:
-    """Whom bodies may touch."""
-    contact, bodies = scenario.contact, [body.name for body in scenario.geometry]
-    if contact is None or contact.pairs is None:
-        yield from bodies
-        return
-    for pair in contact.pairs:
-        yield next((name for name in pair.between if name not in bodies), pair.between[1])
 
 
 def _balances_within(integrator: Integrator) -> bool:

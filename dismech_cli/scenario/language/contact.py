@@ -140,8 +140,8 @@ class FrictionLaw(Spec):
 
     stick: Literal["creeping", "anchored"] = Field(
         default="creeping",
-        description="What holds below the threshold: friction at a small speed, or anchors that nodes drag "
-        "behind them, on obstacles only, where nothing creeps.",
+        description="What holds below the threshold: friction at a small speed, or anchors that are dragged "
+        "behind, where nothing creeps.",
     )
     slip_length: Annotated[float, Quantity("length", gt=0)] | None = Field(
         default=None,
