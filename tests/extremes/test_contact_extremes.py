@@ -63,7 +63,7 @@ STARTS = {
     "capstan": Start(2e-3),
     "two_sheets": Start(1e-3, {"geometry.1.generate.origin.2": 2.5e-3}, {"upper": [0.0, 0.0, -1.0]}),
     "rod_on_sheet": Start(1e-3, _line(1, 2.52e-3)),
-    "draped_cloth": Start(4e-3, {"geometry.0.generate.origin.2": 0.102}),
+    "draped_cloth": Start(4e-3, {"geometry.0.generate.origin.2": 0.104}),
     "pushed_bowl": Start(20e-3),
     "flagella": Start(20e-3, steps=12),
     "overhand_knot": Start(10e-3, steps=40),
