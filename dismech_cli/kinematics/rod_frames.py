@@ -268,11 +268,11 @@ class RodFrames:
         """Frames at ``q``, parallel-transported from the stored ones."""
         inputs = np.empty((10, len(self.angles)))
         # mode="clip" lets NumPy gather without a second buffer; all indices are valid
-        np.take(q, self.heads, out=inputs[0:3], mode="clip")
+        q.take(self.heads, out=inputs[0:3], mode="clip")
         inputs[0:3] -= q.take(self.tails, mode="clip")
         inputs[3:6] = stored.tangent
         inputs[6:9] = stored.director
-        np.take(q, self.angles, out=inputs[9], mode="clip")
+        q.take(self.angles, out=inputs[9], mode="clip")
         out = self.driver.map(edge_frame, inputs, 12)
         beta = self._reference_twist(out[6:12], stored.reference_twist)
         return TrialFrames(FrameState(out[6:9], out[9:12], beta), np.concatenate((out[0:6].ravel(), beta)))
@@ -304,7 +304,7 @@ class RodFrames:
     def _reference_twist(self, carried: FloatArray, stored: FloatArray) -> FloatArray:
         """The same of tangents over directors, shape (6, E)."""
         inputs = np.empty((13, len(stored)))
-        np.take(carried, self._at_joints, out=inputs[0:12], mode="clip")
+        carried.take(self._at_joints, out=inputs[0:12], mode="clip")
         inputs[0:6] *= self._signs
         inputs[12] = stored
         beta: FloatArray = self.driver.map(joint_reference_twist, inputs, 1)[0]

@@ -7,18 +7,18 @@ and to each parameter: one solve per stage, however many parameters there are.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
-from functools import cache, partial
-from typing import TypeAlias
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from ..arrays import FloatArray
 from ..kinematics.motion import Since
+from ..kinematics.turning import Holonomy
 from ..model.state import State
-from .integrators import Integrator
-from .sensitivity import Differentiated
+from .maps import Maps
+from .sensitivity import Differentiated, Held
+from .slopes import Slopes
 from .tape import SolvedStage, TapedStep
 
 
@@ -38,47 +38,17 @@ class Owed:
     a: FloatArray
     turns: tuple[FloatArray, ...]
 
+    @property
+    def columns(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """The first three as views, each of shape (n, 1)."""
+        return self.q[:, None], self.v[:, None], self.a[:, None]
+
     def add(self, other: Owed) -> None:
         """Add what is owed besides."""
         self.q += other.q
         self.v += other.v
         self.a += other.a
         self.turns = tuple(x + y for x, y in zip(self.turns, other.turns, strict=True))
-
-
-@dataclass(frozen=True, slots=True)
-class Coefficients:
-    """Slopes of the affine maps of a stage to the states that they are made from.
-
-    Each is of shape (2, 3): to q, v, a of the start of the step, then of the latest stage.
-
-    Attributes:
-        q0: Of the constant part of q_s.
-        v0: Of that of v_s.
-        a0: Of that of a_s.
-        v_end: Of that of the velocity at the end.
-        a_end: Of that of the acceleration.
-    """
-
-    q0: FloatArray
-    v0: FloatArray
-    a0: FloatArray
-    v_end: FloatArray
-    a_end: FloatArray
-
-    @classmethod
-    def of(cls, integrator: Integrator, start: State, index: int, dt: float) -> Coefficients:
-        """Ask the integrator, with a unit in the place of each; the state may be any."""
-        units = np.eye(6)
-        one = replace(start, q=units[0], v=units[1], a=units[2])
-        latest = one if index == 0 else replace(start, q=units[3], v=units[4], a=units[5])
-        maps = integrator.stage(index, one, latest, dt)
-        found = (maps.q0, maps.v0, maps.a0, maps.v_end[1], maps.a_end[1])
-        return cls(*(slopes.reshape(2, 3) for slopes in found))
-
-
-Maps: TypeAlias = "Callable[[int, float], Coefficients]"
-"""Those of a stage, by its number and the length of the step."""
 
 
 def adjoint(model: Differentiated, start: State, steps: Sequence[TapedStep], end: Owed) -> FloatArray:
@@ -94,9 +64,8 @@ def adjoint(model: Differentiated, start: State, steps: Sequence[TapedStep], end
         FactorizationError: A balance is singular: there is no derivative.
     """
     gradient, owed = np.zeros(len(model.parameters)), end
-    coefficients = cache(partial(Coefficients.of, model.integrator, start))
     for step in reversed(steps):
-        owed = _before(model, coefficients, step, owed, gradient)
+        owed = _before(model, step, owed, gradient)
     for k, one in enumerate(model.parameters):
         q, v, a, turns = one.of_start(start)
         gradient[k] += q @ owed.q + v @ owed.v + a @ owed.a
@@ -104,14 +73,12 @@ def adjoint(model: Differentiated, start: State, steps: Sequence[TapedStep], end
     return gradient
 
 
-def _before(
-    model: Differentiated, coefficients: Maps, step: TapedStep, owed: Owed, gradient: FloatArray
-) -> Owed:
+def _before(model: Differentiated, step: TapedStep, owed: Owed, gradient: FloatArray) -> Owed:
     """What is owed to the state before a step; adds what is owed to parameters in it."""
     n = len(owed.q)
     to_start = Owed(np.zeros(n), np.zeros(n), np.zeros(n), tuple(map(np.zeros_like, owed.turns)))
     for index, solved in reversed(tuple(enumerate(step.stages(model.integrator)))):
-        maps = coefficients(index, step.dt)
+        maps = model.maps(step.start, index, step.dt)
         owed = _through(model, maps, step, solved, owed, to_start, gradient)
     to_start.add(owed)
     if model.jumps(step.start):
@@ -121,7 +88,7 @@ def _before(
 
 def _through(
     model: Differentiated,
-    maps: Coefficients,
+    maps: Maps,
     step: TapedStep,
     solved: SolvedStage,
     owed: Owed,
@@ -129,16 +96,67 @@ def _through(
     gradient: FloatArray,
 ) -> Owed:
     """What is owed to the state that a stage starts from; adds what is to the start and to parameters."""
-    stage, held = solved.stage, model.held(step.start.t)
-    w, led, free = stage.weights, held.led, held.balance.free
+    held = model.held(step.start.t)
     c, slopes, holonomies = model.slopes(solved)
+    ends = model.at_end(solved, holonomies)
+    given = model.by_parameters(c, slopes, solved.stage.acceleration(solved.q))
+    if held.balance.sweep is not None and not slopes.rank_ones:
+        sides = model.sides(held, solved, slopes, maps, holonomies, ends)
+        found = held.balance.sweep.back(sides, owed.columns, owed.turns, to_start.columns, given, gradient)
+        if found is not None:
+            (q, v, a), turns, by_held = found
+            _to_holds(model, held, solved, by_held, gradient)
+            return Owed(q[:, 0], v[:, 0], a[:, 0], turns)
+    return _by_batches(model, maps, held, solved, owed, to_start, gradient, (slopes, holonomies, ends), given)
+
+
+def _to_holds(
+    model: Differentiated, held: Held, solved: SolvedStage, by_held: FloatArray, gradient: FloatArray
+) -> None:
+    """Add what is owed to parameters by where held DOFs are, given what is owed to that, shape (K,)."""
+    moving = [k for k, one in enumerate(model.parameters) if one.moves] if held.dofs.size else []
+    if not moving:
+        return
+    still = np.zeros_like(solved.q)
+    since = Since(solved.since, solved.before, solved.stored)
+    turnless = tuple(np.zeros(len(edges.angles)) for edges in model.edges)
+    for k in moving:
+        law = model.parameters[k].of_holds(held.dofs, solved.stage.t_end, since, still, turnless)
+        gradient[k] += by_held @ law
+
+
+def _by_batches(
+    model: Differentiated,
+    maps: Maps,
+    held: Held,
+    solved: SolvedStage,
+    owed: Owed,
+    to_start: Owed,
+    gradient: FloatArray,
+    at: tuple[Slopes, tuple[Holonomy, ...], tuple[Holonomy, ...]],
+    given: FloatArray,
+) -> Owed:
+    """The same in operations on arrays.
+
+    Args:
+        model: With its slopes.
+        maps: Of the stage.
+        held: What is held.
+        solved: The stage.
+        owed: To the state after it.
+        to_start: To the start of the step; added to.
+        gradient: To parameters, shape (P,); added to.
+        at: Slopes at the solution, turns of frames up to the trial point and to the end.
+        given: Derivative of the balance at a fixed state, shape (n, P).
+    """
+    stage, (slopes, holonomies, ends) = solved.stage, at
+    w, led, free = stage.weights, held.led, held.balance.free
     # the state at the end, from the unknown q and the constants of the maps
     v, a, mean = owed.v.copy(), owed.a.copy(), np.zeros_like(owed.v)
     mean[led] = v[led] / (stage.t_end - solved.since)
     v[led] = a[led] = 0.0
     to_q = owed.q + stage.v_end[0] * v + stage.a_end[0] * a + mean
     before = -mean
-    ends = model.at_end(solved, holonomies)
     for edges, turns, one in zip(model.edges, owed.turns, ends, strict=True):
         edges.add_along(to_q, one.after * turns)
         edges.add_along(before, one.before * turns)
@@ -153,15 +171,8 @@ def _through(
         by_v = slopes.by_velocity_transposed(mu)
         by_q -= w.v * by_v
     by_q /= w.q
-    gradient -= mu @ model.by_parameters(c, slopes, stage.acceleration(solved.q))
-    moving = [k for k, one in enumerate(model.parameters) if one.moves] if held.dofs.size else []
-    if moving:
-        to_held, still = (to_q - by_all)[held.dofs], np.zeros_like(to_q)
-        since = Since(solved.since, solved.before, solved.stored)
-        turnless = tuple(map(np.zeros_like, owed.turns))
-        for k in moving:
-            law = model.parameters[k].of_holds(held.dofs, stage.t_end, since, still, turnless)
-            gradient[k] += to_held @ law
+    gradient -= mu @ given
+    _to_holds(model, held, solved, (to_q - by_all)[held.dofs], gradient)
     by_turn = tuple(by_q[edges.angles] for edges in model.edges)
     for edges, turns, one in zip(model.edges, by_turn, holonomies, strict=True):
         edges.add_along(before, -one.before * turns)
@@ -171,16 +182,9 @@ def _through(
         np.zeros_like(before),
         tuple(x - y for x, y in zip(owed.turns, by_turn, strict=True)),
     )
-    parts = (
-        (maps.q0, -by_q),
-        (maps.v0, -by_v),
-        (maps.a0, -by_a),
-        (maps.v_end, v),
-        (maps.a_end, a),
-    )
-    for slope, owing in parts:
-        for to, (by_position, by_rate, by_second) in zip((to_start, latest), slope, strict=True):
-            for array, by in ((to.q, by_position), (to.v, by_rate), (to.a, by_second)):
+    for slope, owing in zip(maps.slopes, (-by_q, -by_v, -by_a, v, a), strict=True):
+        for to, part in zip((to_start, latest), slope.reshape(2, 3), strict=True):
+            for array, by in zip((to.q, to.v, to.a), part, strict=True):
                 if by:
                     array += by * owing
     return latest

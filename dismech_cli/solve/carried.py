@@ -19,9 +19,11 @@ import numpy as np
 from scipy.sparse import csr_matrix
 
 from ..arrays import FloatArray, IntArray
+from ..kernels.driver import Driver
 from ..kinematics.turning import Holonomy, TurningEdges, crossed
 from ..model.configuration import Configuration
 from .pattern import SparsityPattern
+from .sweep_loops import mend
 
 _SIGN = np.array([1.0, -1.0])
 
@@ -29,15 +31,19 @@ _SIGN = np.array([1.0, -1.0])
 class Carried:
     """The parts that are missing at edges of one kind."""
 
-    def __init__(self, pattern: SparsityPattern, edges: TurningEdges, turning: IntArray) -> None:
+    def __init__(
+        self, pattern: SparsityPattern, edges: TurningEdges, turning: IntArray, driver: Driver
+    ) -> None:
         """Find their places.
 
         Args:
             pattern: Of all DOFs, with both triangles.
             edges: The edges.
             turning: Numbers of the terms whose moments about edges count, shape (K,).
+            driver: Compiles.
         """
         self._edges, self._turning = edges, turning
+        self._mend = driver.compiled(mend)
         angles = pattern.order[edges.angles]
         edge_of = np.full(pattern.m, -1)
         edge_of[angles] = np.arange(len(angles))
@@ -81,6 +87,21 @@ class Carried:
             holonomy: Of the frames, on the way to the trial point.
             c: The trial point.
         """
+        if self._mend is not None:
+            edges, sums = self._edges, self._sums
+            self._mend(
+                stiffness,
+                np.empty(0) if damping is None else damping,
+                residuals,
+                self._turning,
+                (edges.heads, edges.tails, edges.angles),
+                c.v,
+                (holonomy.after, holonomy.edge, holonomy.length),
+                self._by_angle,
+                self._edge,
+                (self._slots, sums.indptr, sums.data, sums.indices),
+            )
+            return
         turned = holonomy.after.take(self._edge, axis=1)
         turned *= stiffness.take(self._by_angle)
         half = 0.5 / holonomy.length**3

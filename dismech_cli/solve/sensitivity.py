@@ -23,6 +23,7 @@ from typing import Final
 import numpy as np
 
 from ..arrays import BoolArray, FloatArray, IntArray
+from ..kernels.driver import Driver
 from ..kinematics.motion import Since, held_dofs, held_span
 from ..kinematics.turning import Holonomy
 from ..model.configuration import Configuration
@@ -30,9 +31,11 @@ from ..model.model import Model
 from ..model.state import State
 from .commanded import Acting, Commanded, nothing_acts
 from .integrators import Integrator
+from .maps import Maps
 from .neighbours import Here, Neighbours, ParameterSlope, Variation
 from .slopes import Balance, Slope, Slopes
 from .stage import at_state
+from .sweep import Sides, turned_by, weighed_by
 from .tape import SolvedStage, TapedStep
 
 NOWHERE: Final[IntArray] = np.empty(0, dtype=np.int64)
@@ -67,25 +70,40 @@ class Differentiated:
         edges: Edges whose frames are carried.
     """
 
-    def __init__(self, model: Model, integrator: Integrator, parameters: Sequence[Neighbours]) -> None:
+    def __init__(
+        self,
+        model: Model,
+        integrator: Integrator,
+        parameters: Sequence[Neighbours],
+        sweeper: Driver | None = None,
+    ) -> None:
         """Bind everything once.
+
+        Args:
+            model: The semi-discrete system.
+            integrator: Of its run.
+            parameters: What it is differentiated by.
+            sweeper: Runs what goes through stages; by default what runs the model.
 
         Raises:
             UnlikeError: A parameter changes the structure of the model.
         """
         self.model, self.integrator = model, integrator
-        self._slope = Slope(model)
+        sweeper = sweeper or model.driver
+        self._slope = Slope(model, sweeper)
         self.parameters = tuple(
             ParameterSlope(k, model, near, self._slope.pattern, self._slope.terms)
             for k, near in enumerate(parameters)
         )
         self.edges = model.frames.turning
+        self._turned, self._weighed = turned_by(sweeper), weighed_by(sweeper)
         self._commanded = Commanded(self._slope.terms)
         self._shares = np.stack([one.shares for one in self.parameters], axis=1)
         self._mass = np.stack([one.mass for one in self.parameters], axis=1)
-        self._inert = all(one.inert for one in self.parameters)
         self._moves = bool(model.mass.any())
         self._held: dict[float, Held] = {}
+        self._span = (0.0, 0.0)
+        self._maps: dict[tuple[int, float], Maps] = {}
 
     @property
     def retraceable(self) -> bool:
@@ -96,7 +114,9 @@ class Differentiated:
 
     def held(self, t: float) -> Held:
         """What is held during a step that starts at ``t`` [s]."""
-        since = held_span(self.model.motions, t)[0]
+        since, until = self._span
+        if not since <= t < until:
+            since, until = self._span = held_span(self.model.motions, t)
         if since not in self._held:
             mask = held_dofs(self.model.motions, self.model.dofs.n, t)
             led = mask | ((self.model.mass == 0.0) & self._moves)
@@ -108,6 +128,12 @@ class Differentiated:
         """Whether the acceleration that a step starts with was made from the balance of forces."""
         begins = state.t in (0.0, self.held(state.t).since)
         return begins and self.integrator.needs_acceleration
+
+    def maps(self, start: State, index: int, dt: float) -> Maps:
+        """Those of a stage of a step of ``dt`` [s]; the state may be any."""
+        if (index, dt) not in self._maps:
+            self._maps[index, dt] = Maps.of(self.integrator, start, index, dt)
+        return self._maps[index, dt]
 
     def trial(self, solved: SolvedStage) -> Configuration:
         """The solution of a stage as a trial point."""
@@ -129,18 +155,29 @@ class Differentiated:
 
     def holonomies(self, solved: SolvedStage, q: FloatArray) -> tuple[Holonomy, ...]:
         """How frames turn from the start of a stage to a shape (n,)."""
-        return tuple(edges.holonomy(solved.before, q) for edges in self.edges)
+        return tuple(self._turned(edges, solved.before, q) for edges in self.edges)
 
     def at_end(self, solved: SolvedStage, holonomies: tuple[Holonomy, ...]) -> tuple[Holonomy, ...]:
         """How they turn to the end of a stage, of those up to its trial point, which may be the same."""
         w, known = solved.stage.weights, holonomies
         return known if w.q == 1.0 and not solved.stage.q0.any() else self.holonomies(solved, solved.q)
 
+    def sides(
+        self,
+        held: Held,
+        solved: SolvedStage,
+        slopes: Slopes,
+        maps: Maps,
+        to_trial: tuple[Holonomy, ...],
+        to_end: tuple[Holonomy, ...],
+    ) -> Sides:
+        """What a stage balances, for sweeps."""
+        span = solved.stage.t_end - solved.since
+        return Sides(maps, span, slopes.matrix, held.dofs, held.led, to_trial, to_end)
+
     def by_parameters(self, c: Configuration, slopes: Slopes, a: FloatArray) -> FloatArray:
         """D(M a + r)/dp at a fixed state, shape (n, P)."""
-        found: FloatArray = slopes.residuals.T @ self._shares
-        if not self._inert:
-            found += self._mass * a[:, None]
+        found = self._weighed(slopes.residuals, self._shares, self._mass, a)
         here = Here(c, self._slope.terms)
         for k, one in enumerate(self.parameters):
             if (more := one.of_others(here)) is not None:
@@ -234,9 +271,66 @@ def _through(
 ) -> tuple[Variation, FloatArray]:
     """Derivative after a stage, and that of the acceleration that it balances, shape (n, P)."""
     stage, held = solved.stage, model.held(step.start.t)
+    c, slopes, holonomies = model.slopes(solved)
+    ends, maps = model.at_end(solved, holonomies), model.maps(step.start, index, step.dt)
+    b = model.by_parameters(c, slopes, stage.acceleration(solved.q))
+    if latest.inputs.any():
+        b += model.by_inputs(c, latest.inputs)
+    held_q = _where_held(model, held, solved, latest)
+    if held.balance.sweep is not None and not slopes.rank_ones and not wanted.size:
+        sides = model.sides(held, solved, slopes, maps, holonomies, ends)
+        states = ((start.q, start.v, start.a), (latest.q, latest.v, latest.a))
+        found = held.balance.sweep.forward(sides, states, b, held_q, latest.turns)
+        if found is not None:
+            (q, v, a), turns = found
+            return Variation(q, v, a, turns, latest.residual, latest.inputs, latest.memory), a
+    return _by_batches(
+        model, index, step, solved, start, latest, wanted, (slopes, holonomies, ends), b, held_q
+    )
+
+
+def _where_held(model: Differentiated, held: Held, solved: SolvedStage, latest: Variation) -> FloatArray:
+    """Derivative of where held DOFs are at the end of a stage, shape (K, P)."""
+    held_q: FloatArray = latest.q[held.dofs]
+    if held.dofs.size:
+        since = Since(solved.since, solved.before, solved.stored)
+        for k, one in enumerate(model.parameters):
+            if one.moves:
+                turned = [turn[:, k] for turn in latest.turns]
+                held_q[:, k] = one.of_holds(held.dofs, solved.stage.t_end, since, latest.q[:, k], turned)
+    return held_q
+
+
+def _by_batches(
+    model: Differentiated,
+    index: int,
+    step: TapedStep,
+    solved: SolvedStage,
+    start: Variation,
+    latest: Variation,
+    wanted: IntArray,
+    at: tuple[Slopes, tuple[Holonomy, ...], tuple[Holonomy, ...]],
+    b: FloatArray,
+    held_q: FloatArray,
+) -> tuple[Variation, FloatArray]:
+    """The same in operations on arrays.
+
+    Args:
+        model: With its slopes.
+        index: Of the stage.
+        step: Its step.
+        solved: The stage.
+        start: Derivative of the start of the step.
+        latest: Of the state before the stage.
+        wanted: See :func:`forward`.
+        at: Slopes at the solution, turns of frames up to the trial point and to the end.
+        b: Derivative of the balance at a fixed state, shape (n, P); used up.
+        held_q: Of where held DOFs are, shape (K, P).
+    """
+    stage, held = solved.stage, model.held(step.start.t)
+    slopes, holonomies, ends = at
     maps = model.integrator.stage(index, _as_state(step.start, start), _as_state(step.start, latest), step.dt)
     w, mass = stage.weights, model.model.mass[:, None]
-    c, slopes, holonomies = model.slopes(solved)
     factors, free = held.balance.factorize(slopes, w), held.balance.free
     along = [edges.along(latest.q) for edges in model.edges]
     # y: frames that have turned act as their angles do
@@ -244,21 +338,12 @@ def _through(
     for edges, turn, way, up in zip(model.edges, latest.turns, along, holonomies, strict=True):
         y[edges.angles] += turn + _weighed(up.before, way)
     y /= -w.q
-    b = model.by_parameters(c, slopes, stage.acceleration(solved.q))
     b += mass * (maps.a0 + w.a * y)
-    if latest.inputs.any():
-        b += model.by_inputs(c, latest.inputs)
     if slopes.damped:
         b += slopes.by_velocity(maps.v0 + w.v * y)
     x = np.zeros_like(y)
     if held.dofs.size:
-        x[held.dofs] = latest.q[held.dofs]
-        since = Since(solved.since, solved.before, solved.stored)
-        for k, one in enumerate(model.parameters):
-            if one.moves:
-                turned = [turn[:, k] for turn in latest.turns]
-                x[held.dofs, k] = one.of_holds(held.dofs, stage.t_end, since, latest.q[:, k], turned)
-        x[held.dofs] -= y[held.dofs]
+        x[held.dofs] = held_q - y[held.dofs]
         if x.any():
             b += held.balance.times(x)
     x[free] = -factors.solve(b[free])
@@ -267,7 +352,6 @@ def _through(
     led = held.led
     v[led] = (dq[led] - latest.q[led]) / (stage.t_end - solved.since)
     a[led] = 0.0
-    ends = model.at_end(solved, holonomies)
     turns = tuple(
         turn + _weighed(end.before, way) + _weighed(end.after, edges.along(dq))
         for edges, turn, way, end in zip(model.edges, latest.turns, along, ends, strict=True)

@@ -13,6 +13,7 @@ import numpy as np
 from scipy.sparse import csc_matrix, csr_matrix
 
 from ..arrays import BoolArray, FloatArray
+from ..kernels.driver import Driver
 from ..kernels.linearization import Linearization, RankOne, all_symmetric
 from ..kinematics.turning import Holonomy
 from ..model.configuration import Configuration
@@ -23,6 +24,7 @@ from .linear.factors import Factors
 from .linear.updated import UpdatedFactors
 from .pattern import SparsityPattern
 from .stage import Weights
+from .sweep import Matrix, matrix_of, sweep_of
 
 
 class Entries:
@@ -64,12 +66,14 @@ class Slopes:
         stiffness: Entries of dr/dq, shape (slots,).
         damping: dr/dv; None where nothing depends on velocities.
         rank_ones: Slopes outside the pattern.
+        matrix: The same entries, as compiled sweeps want them.
     """
 
     residuals: FloatArray
     stiffness: FloatArray
     damping: Entries | None
     rank_ones: tuple[RankOne, ...]
+    matrix: Matrix
 
     @property
     def damped(self) -> bool:
@@ -96,25 +100,30 @@ class Slope:
 
     Attributes:
         model: The semi-discrete system.
+        sweeper: Runs sweeps.
         pattern: The pattern, of one triangle where all slopes are symmetric.
         terms: Its terms, bound.
     """
 
-    def __init__(self, model: Model) -> None:
+    def __init__(self, model: Model, sweeper: Driver) -> None:
         """Bind all terms.
 
         Args:
             model: The semi-discrete system, without terms whose stencils come and go.
+            sweeper: Runs sweeps.
         """
-        self.model = model
+        self.model, self.sweeper = model, sweeper
         self.pattern = pattern = _pattern(model, np.ones(model.dofs.n, dtype=np.bool_))
         if not pattern.symmetric:
             self._lower, self._upper = pattern.mirror()
         self.terms = tuple(term.bind(pattern, model.driver) for term in model.terms)
         self._damping = Entries(pattern)
+        self._damped = any(term.velocity_dependent for term in model.terms)
         self._stiffness, n = np.zeros(pattern.slots), model.dofs.n
         self._residuals = np.zeros((len(self.terms), n))
         self._rank_ones: list[RankOne] = []
+        rates = self._damping.values if self._damped else None
+        self._matrix = matrix_of(pattern, self._stiffness, rates, model.mass)
         buffers = [
             Linearization(row, self._stiffness, self._damping.values, self._rank_ones)
             for row in self._residuals
@@ -129,7 +138,7 @@ class Slope:
             if model.terms[k].velocity_dependent or (one and bound.potential is not None)
         ]
         self._carried = [
-            (k, Carried(pattern, one, np.array(turning, dtype=np.int64)))
+            (k, Carried(pattern, one, np.array(turning, dtype=np.int64), sweeper))
             for k, one in enumerate(model.frames.turning)
             if not one.varied
         ]
@@ -146,18 +155,18 @@ class Slope:
         self._rank_ones.clear()
         for term, into in self._one_sided:
             term.add_linearization(c, into)
-        damped = bool(damping.any())
+        damped = self._damped
         if not self.pattern.symmetric:
             stiffness[self._lower] = stiffness.take(self._upper)
             if damped:
-                damping[self._lower] = damping[self._upper]
+                damping[self._lower] = damping.take(self._upper)
         for term, into in self._two_sided:
             term.add_linearization(c, into)
-        damped = damped or bool(damping.any())
         rates = damping if damped else None
         for k, carried in self._carried:
             carried.add(stiffness, rates, self._residuals, holonomies[k], c)
-        return Slopes(self._residuals, stiffness, self._damping if damped else None, tuple(self._rank_ones))
+        rates_of = self._damping if damped else None
+        return Slopes(self._residuals, stiffness, rates_of, tuple(self._rank_ones), self._matrix)
 
 
 class Balance:
@@ -165,6 +174,7 @@ class Balance:
 
     Attributes:
         free: The free DOFs in matrix order, shape (m,).
+        sweep: Goes through stages in one compiled function; None where that cannot be.
     """
 
     def __init__(self, slope: Slope, free: BoolArray) -> None:
@@ -174,15 +184,17 @@ class Balance:
             slope: The model.
             free: Mask of the free DOFs, shape (n,).
         """
-        whole = slope.pattern
-        pattern = whole if free.all() else _pattern(slope.model, free)
+        whole, model = slope.pattern, slope.model
+        pattern = whole if free.all() else _pattern(model, free)
         self.free = pattern.free
         self._total = Entries(whole)
-        self._diagonal, self._mass = whole.diagonal, slope.model.mass[whole.free]
+        self._diagonal, self._mass = whole.diagonal, model.mass[whole.free]
         # the place in the whole of each entry between free DOFs
         rows, columns = pattern.free[pattern.rows], pattern.free[pattern.indices]
         find = whole.symmetric_slots if whole.symmetric else whole.slots_of
-        self._places = np.append(find(rows, columns), whole.nnz)
+        slots = find(rows, columns)
+        self._places = np.append(slots, whole.nnz)
+        self.sweep = sweep_of(whole, pattern, slots, model.frames.turning, slope.sweeper)
         self._solver = LINEAR_SOLVERS[choose_solver(pattern)](pattern)
 
     def factorize(self, slopes: Slopes, w: Weights) -> Factors:

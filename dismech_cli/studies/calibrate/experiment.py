@@ -21,7 +21,7 @@ from ...solve.linear.factors import FactorizationError
 from ...solve.sensitivity import NOWHERE, forward
 from ..gradient.acting import acting_of
 from ..gradient.reading import Readings, states
-from ..gradient.run import TapedRun, differentiated, exactly, quietly, run_taped, why_not, why_not_by
+from ..gradient.run import TapedRun, differentiated, exactly, quietly, run_taped, sweeper, why_not, why_not_by
 from ..gradient.setting import Nearby, Setting, nearby
 from ..source import Source
 from .channel import Channel, Probed, points, sampling
@@ -195,7 +195,7 @@ class Experiment:
         if not count:
             return [np.zeros((len(one.fitted), len(one.labels), 0)) for one in self.curves]
         near = self._near(values, composition)
-        model = differentiated(run.simulation, near)
+        model = differentiated(run.simulation, near, sweeper(self.loaded, run.simulation))
         channels = [self._channel(k, composition, near) for k in range(len(self.curves))]
         sampled = [sampling(one.times, run, still=still) for one in self.curves]
         read: list[list[FloatArray]] = [[] for _ in self.curves]

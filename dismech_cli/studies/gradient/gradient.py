@@ -31,7 +31,17 @@ from ...words import hint
 from ..source import Source
 from .acting import acting_of
 from .reading import Readings, Reduced, states
-from .run import TapedRun, differentiated, exactly, quietly, run_taped, start_run, why_not, why_not_by
+from .run import (
+    TapedRun,
+    differentiated,
+    exactly,
+    quietly,
+    run_taped,
+    start_run,
+    sweeper,
+    why_not,
+    why_not_by,
+)
 from .setting import Nearby, Setting, expanded, nearby
 
 # Up to as many parameters forward sensitivities are used, which give more; beyond, the adjoint costs less.
@@ -146,7 +156,7 @@ def gradient(
         slopes /= sizes
         chosen = Method.DIFFERENCES
     else:
-        model = differentiated(simulation, near)
+        model = differentiated(simulation, near, sweeper(loaded, simulation))
         for setting, one, beside in zip(settings, model.parameters, near, strict=True):
             acts = not all(alike(simulation.controls, other.controls) for other in beside.simulations)
             if one.nothing and not acts:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from ...model.state import State
 from ...run.account import EnergyAccount
 from ...run.observables.probes import Probe
 from ...run.observables.reduce import reduce_series
+from ...run.observables.snapshot import Snapshot
 from ...run.observe import Observer
 from ...run.simulation import Simulation
 from ...solve.adjoint import Owed
@@ -81,20 +83,36 @@ class Eye:
     """
 
     def __init__(self, simulation: Simulation) -> None:
-        """Bind what probes of energies ask for."""
-        self._model = simulation.model
+        """Bind nothing yet: most probes read the state alone."""
+        self._simulation, self._model = simulation, simulation.model
         self.length = simulation.model.length
         self.edges = simulation.model.frames.turning
+
+    @cached_property
+    def _observer(self) -> Observer:
+        """What probes of energies, strains and contact ask, bound when one does."""
+        simulation = self._simulation
         stepper = Stepper(
             simulation.model, simulation.integrator, simulation.newton, simulation.linear_solver
         )
-        self._account = EnergyAccount(simulation.model, simulation.roles, simulation.start)
-        self._account.bind(stepper.system, 0.0)
-        self._observer = Observer(simulation, stepper, self._account, lambda found: None)
+        account = EnergyAccount(simulation.model, simulation.roles, simulation.start)
+        account.bind(stepper.system, 0.0)
+        return Observer(simulation, stepper, account, lambda found: None)
 
     def read(self, probe: Probe, state: State, residual: FloatArray) -> float:
         """A probe at a state, with the residual of the stage that led there (n,)."""
-        return probe(self._observer.snapshot(state, residual))
+        return probe(
+            Snapshot(
+                self._model,
+                state,
+                residual,
+                lambda: self._observer.snapshot(state, residual).energies,
+                lambda: self._observer.snapshot(state, residual).negative_eigenvalues,
+                lambda name: self._observer.snapshot(state, residual).stencil_energies(name),
+                lambda name: self._observer.snapshot(state, residual).natural(name),
+                lambda: self._observer.snapshot(state, residual).touching(),
+            )
+        )
 
     def moved(self, state: State, d: Variation, column: int, step: float) -> State:
         """A state by a step on in the direction of one parameter; its frames stay where they are stored."""

@@ -7,6 +7,10 @@ from dataclasses import dataclass, replace
 
 from ...compose.compose import Composition, compose
 from ...errors import ScenarioError, SolverError, UnfinishedError
+from ...kernels.driver import Driver
+from ...kernels.kept import missing
+from ...kernels.loop_text import call_text
+from ...kernels.numpy_driver import NumpyDriver
 from ...model.alike import alike
 from ...run.adaptive import Adaptive
 from ...run.interrupt import StopRequest
@@ -19,6 +23,7 @@ from ...session.narrator import Narrator
 from ...session.sinks import Latest, Several, Telling
 from ...solve.neighbours import UnlikeError
 from ...solve.sensitivity import Differentiated
+from ...solve.sweep import LOOPS
 from ...solve.tape import THROUGH_STAGES, Tape, TapedStep
 from ..source import Source
 from .setting import Nearby
@@ -111,14 +116,26 @@ def why_not_by(simulation: Simulation, near: Sequence[Nearby]) -> str:
     return ""
 
 
-def differentiated(simulation: Simulation, near: Sequence[Nearby]) -> Differentiated:
-    """A simulation with its slopes to parameters.
+def sweeper(loaded: LoadedScenario, simulation: Simulation) -> Driver:
+    """What runs the sweeps of derivatives: their loops are compiled once, for all scenes.
+
+    That takes longer than most sweeps: it is done where compiled kernels are asked for.
+    """
+    asked = loaded.scenario.numerics.kernels == "numba"
+    kept = asked or not missing([call_text(loop) for loop in LOOPS])
+    return simulation.model.driver if kept else NumpyDriver()
+
+
+def differentiated(simulation: Simulation, near: Sequence[Nearby], sweeps: Driver) -> Differentiated:
+    """A simulation with its slopes to parameters, and what runs sweeps.
 
     Raises:
         ScenarioError: A parameter changes the structure of the model.
     """
     try:
-        return Differentiated(simulation.model, simulation.integrator, [one.neighbours for one in near])
+        return Differentiated(
+            simulation.model, simulation.integrator, [one.neighbours for one in near], sweeps
+        )
     except UnlikeError as error:
         path = near[error.index].setting.path
         raise ScenarioError(f"{path} changes what the model is made of: it has no derivative") from None
