@@ -110,7 +110,7 @@ def measure(scene: Scene, seconds: float) -> tuple[int, float, list[float]]:
     plain = replace(composition.simulation, frame_every=1e300)
     simulation = exactly(composition, {"tip": composition.simulation.probes["tip"]})
     taped = run_taped(simulation, Silent())
-    model = differentiated(simulation, near, simulation.model.driver)
+    model = differentiated(taped, near, simulation.model.driver)
     spent = in_turns(
         [
             lambda: run(plain, Latest()),

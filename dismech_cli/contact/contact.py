@@ -34,10 +34,13 @@ from .pairs.surface_pairs import SurfacePairs
 from .pairs.surface_search import FaceSearch
 from .pieces.lines import Lines
 from .sums import deepest, summed, worst
-from .terms import FullFriction, NormalTerm, SymmetricFriction
+from .terms import AnchoredFriction, FullFriction, MeasuredFriction, NormalTerm, SymmetricFriction
 
 # The start of a step, an iterate and the next one.
 _KEPT: Final = 3
+
+# Factor of the stiffness before a step and after, calm steps, depth that could not be prevented.
+_AS_MADE: Final = np.array([1.0, 1.0, 0.0, 0.0])
 
 HARDNESS, DEEPEST, WORST = "contact.hardness", "contact.deepest", "contact.worst"
 
@@ -129,6 +132,25 @@ class Contact:
         """What the terms share, with the terms."""
         return Contacts(self, driver)
 
+    def exactly(self) -> Contact:
+        """The same with the slope that friction has."""
+        rough = self.friction
+        return self if rough is None else replace(self, friction=replace(rough, kind=MeasuredFriction))
+
+    def untold(self, left: Iterable[Memory]) -> str:
+        """Why more than states and velocities tells what it does; empty if nothing does."""
+        if self.finding is not along_lines:
+            return "the law 'compat' goes by pairs, whose tangents are not exact across their ends"
+        if self.guards.pairings or self.guards.walls:
+            return "the barrier of contact has no exact tangent; 'contact.law.core: off' leaves it out"
+        if self.faces is not None:
+            return "where shells are touched contact has no exact tangent"
+        if self.friction is not None and self.friction.kind is AnchoredFriction:
+            return "anchors of friction depend on all steps before"
+        if any(memory.get(HARDNESS, _AS_MADE)[:2].tolist() != [1.0, 1.0] for memory in left):
+            return "the stiffness of contact changes between steps; 'contact.law.stiffness' gives one"
+        return ""
+
 
 class Contacts:
     """Who touches whom; implements :class:`~dismech_cli.model.term.ChangingSet`."""
@@ -156,7 +178,7 @@ class Contacts:
 
     def recall(self, memory: Memory) -> None:
         """Take the stiffness that the last step left."""
-        early, later, calm, mark = memory.get(HARDNESS, np.array([1.0, 1.0, 0.0, 0.0])).tolist()
+        early, later, calm, mark = memory.get(HARDNESS, _AS_MADE).tolist()
         self._deepest = self._by_end = memory.get(DEEPEST, np.zeros(len(self._deepest)))
         self._worst = self._worst_by_end = memory.get(WORST, np.zeros(4))
         self._early = Hardness(early)
@@ -248,6 +270,10 @@ class Contacts:
         x = self._space(c)
         depths = [source.depths(x, c.t) for source in self._sources]
         return summed(self._contact.pairs, self.touching(c), depths, self._friction, len(x))
+
+    def nodal(self, c: Configuration) -> tuple[FloatArray, FloatArray]:
+        """Places and velocities of all nodes in space."""
+        return self._space(c), self._speed(c.v)
 
     @property
     def stencils(self) -> tuple[Stencils, ...]:

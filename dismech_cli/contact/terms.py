@@ -7,7 +7,7 @@ from typing import ClassVar, Protocol
 
 import numpy as np
 
-from ..arrays import FloatArray
+from ..arrays import FloatArray, IntArray
 from ..kernels.linearization import Linearization, Pattern
 from ..model.configuration import Configuration
 from .drivers.loops import Loops
@@ -18,6 +18,10 @@ from .law.rubbing import slip
 
 # Below this share of the speed over which friction grows it is all but linear.
 _CREEP = 0.5
+
+# Steps of differences of friction, of the deepest penetration: curvature leaves their fourth power.
+_STEP, _TINY = 1e-3, 1e-300
+_DIFFERENCE = ((1, 2.0 / 3.0), (-1, -2.0 / 3.0), (2, -1.0 / 12.0), (-2, 1.0 / 12.0))
 
 NORMAL, FRICTION = "contact", "friction"
 
@@ -38,6 +42,9 @@ class Found(Protocol):
 
     def velocities(self, touching: Touching, c: Configuration, v: FloatArray) -> FloatArray:
         """Relative velocities at points of contact if the DOFs at ``c`` had velocities (n,), shape (3, K)."""
+
+    def nodal(self, c: Configuration) -> tuple[FloatArray, FloatArray]:
+        """Places and velocities of all nodes in space, each of shape (N, 3)."""
 
 
 class NormalTerm:
@@ -177,6 +184,55 @@ class FullFriction(_Friction):
             add(touching, places, by_velocity, into.damping)
 
     add_convex_linearization = add_linearization
+
+
+class MeasuredFriction(FullFriction):
+    """Friction with the slope that it has: as things move, so do the points at which it is summed.
+
+    What :class:`FullFriction` says leaves that out, which Newton's method hardly notices. Here each item is
+    moved by itself, one coordinate after the other, and its forces are compared.
+    """
+
+    def add_linearization(self, c: Configuration, into: Linearization) -> None:
+        """Subtract the force and add its slopes."""
+        x, v = self._found.nodal(c)
+        for touching in self._found.touching(c):
+            self._found.loops.add_forces(touching, self.forces(touching), into.residual)
+            _, by_velocity = self._tangents(touching)
+            places = self._places[touching.kind]
+            self._found.loops.add_general(touching, places, by_velocity, into.damping)
+            points = touching.points
+            items = np.unique(points.item[(touching.friction > 0.0) & (points.load != 0.0)])
+            if len(items):
+                places.add(items, self._by_position(touching, items, x, v), into.stiffness)
+
+    add_convex_linearization = add_linearization
+
+    def _by_position(self, touching: Touching, items: IntArray, x: FloatArray, v: FloatArray) -> FloatArray:
+        """Slopes of the forces on the DOFs of some items to these, shape (R, n d, n d)."""
+        assert touching.again is not None
+        points, stencils, remake = touching.points, touching.stencils, touching.again(items)
+        nodes, axes = stencils.nodes[items], stencils.axes
+        places, speeds, own = x[nodes], v[nodes], touching.between.friction[items]
+        step = _STEP * float((np.abs(points.load) / np.maximum(np.abs(points.growth), _TINY)).max())
+
+        def forces(moved: FloatArray) -> FloatArray:
+            found, velocity = remake(moved, speeds)
+            vectors = found.weights[:, None] * found.friction(own[found.item], self._sharpness, velocity)
+            out = np.zeros_like(places)
+            np.add.at(out, found.item, vectors.transpose(2, 0, 1))
+            return out[:, :, axes].reshape(len(items), -1)
+
+        columns = []
+        for node in range(nodes.shape[1]):
+            for axis in axes:
+                column = np.zeros((len(items), nodes.shape[1] * len(axes)))
+                for offset, weight in _DIFFERENCE:
+                    moved = places.copy()
+                    moved[:, node, axis] += offset * step
+                    column += weight / step * forces(moved)
+                columns.append(column)
+        return np.stack(columns, axis=2)
 
 
 class AnchoredFriction(FullFriction):

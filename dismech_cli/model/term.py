@@ -7,7 +7,7 @@ the residual share is +dE/dq of an energy and -f of a force.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import ClassVar, Protocol, TypeAlias
 
 from ..arrays import FloatArray
@@ -129,6 +129,16 @@ class ChangingTerm(Protocol):
 
     def start(self, driver: Driver) -> ChangingSet:
         """Bound terms without stencils yet."""
+
+    def exactly(self) -> ChangingTerm:
+        """The same with tangents that are the slopes of its forces, whatever Newton's method is given."""
+
+    def untold(self, left: Iterable[Memory]) -> str:
+        """Why states and velocities do not tell what it does; empty if they do.
+
+        Args:
+            left: What the steps of a run left.
+        """
 
 
 class Term(Protocol):

@@ -21,9 +21,10 @@ from .system import System
 LENGTH: Final = "step.length"
 """What a step leaves of its own length [s]."""
 
-# By how much lengths of steps may differ by rounding.
-_SAME = 1e-6
-_EULER = ImplicitEuler()
+SAME: Final = 1e-6
+"""By how much lengths of steps may differ by rounding, as a part."""
+EULER: Final = ImplicitEuler()
+"""Finds what friction leaves."""
 
 
 def balanced(system: System, state: State) -> FloatArray:
@@ -47,7 +48,7 @@ def rescaled(system: System, start: State, dt: float) -> State:
     if LENGTH not in start.memory:
         return start
     ratio = float(start.memory[LENGTH][0]) / dt
-    if abs(ratio - 1.0) < _SAME:
+    if abs(ratio - 1.0) < SAME:
         return start
     explained = balanced(system, start)
     free = system.pattern.free
@@ -65,7 +66,7 @@ def rubbed(system: System, predictor: Predictor, start: State, dt: float, settin
     """
     if not any(term.velocity_dependent for term in system.model.changing):
         return start
-    stage = _EULER.stage(0, start, start, dt)
+    stage = EULER.stage(0, start, start, dt)
     problem = StageProblem(system, stage, start.frames, settings)
     guess = next(iter(predictor.guesses(problem, Since(start.t, start.q, start.frames))))
     result = solve_stage(problem, problem.reachable(start.q, guess))

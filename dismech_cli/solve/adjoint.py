@@ -16,6 +16,7 @@ from ..arrays import FloatArray
 from ..kinematics.motion import Since
 from ..kinematics.turning import Holonomy
 from ..model.state import State
+from .accelerations import EULER
 from .maps import Maps
 from .sensitivity import Differentiated, Held
 from .slopes import Slopes
@@ -78,11 +79,14 @@ def _before(model: Differentiated, step: TapedStep, owed: Owed, gradient: FloatA
     n = len(owed.q)
     to_start = Owed(np.zeros(n), np.zeros(n), np.zeros(n), tuple(map(np.zeros_like, owed.turns)))
     for index, solved in reversed(tuple(enumerate(step.stages(model.integrator)))):
-        maps = model.maps(step.start, index, step.dt)
+        maps = model.maps(model.integrator, step.start, index, step.dt)
         owed = _through(model, maps, step, solved, owed, to_start, gradient)
     to_start.add(owed)
     if model.jumps(step.start):
-        _balanced(model, step.start, to_start, gradient)
+        if model.rubs:
+            _rubbed(model, step, to_start, gradient)
+        else:
+            _balanced(model, step.start, to_start, gradient)
     return to_start
 
 
@@ -188,6 +192,17 @@ def _by_batches(
                 if by:
                     array += by * owing
     return latest
+
+
+def _rubbed(model: Differentiated, step: TapedStep, owed: Owed, gradient: FloatArray) -> None:
+    """The acceleration that a step starts with, from the mean one of a step of Euler's method."""
+    free, n = model.held(step.start.t).balance.free, len(owed.q)
+    end = Owed(np.zeros(n), np.zeros(n), np.zeros(n), tuple(map(np.zeros_like, owed.turns)))
+    end.v[free] = owed.a[free] / step.dt
+    owed.v[free] -= end.v[free]
+    owed.a[:] = 0.0
+    maps = model.maps(EULER, step.start, 0, step.dt)
+    owed.add(_through(model, maps, step, model.rubbed(step), end, owed, gradient))
 
 
 def _balanced(model: Differentiated, state: State, owed: Owed, gradient: FloatArray) -> None:

@@ -21,6 +21,7 @@ from ..model.configuration import Configuration
 from ..model.model import Model
 from ..model.state import State
 from ..model.term import BoundTerm
+from .anew import Anew
 from .pattern import SparsityPattern
 
 _EPS = float(np.finfo(np.float64).eps)
@@ -158,7 +159,11 @@ class ParameterSlope:
         """
         names = [term.name for term in model.terms]
         for other in near.models:
-            if other.dofs != model.dofs or [term.name for term in other.terms] != names:
+            if (
+                other.dofs != model.dofs
+                or [term.name for term in other.terms] != names
+                or len(other.changing) != len(model.changing)
+            ):
                 raise UnlikeError(index)
         self._near = near
         changed = [
@@ -183,18 +188,22 @@ class ParameterSlope:
         self.inert = not self.mass.any()
         starts = [(one.q, one.v, one.a, one.frames) for one in near.starts]
         self.moves = not all(alike(model.motions, other.motions) for other in near.models)
+        touching = not all(alike(model.changing, other.changing) for other in near.models)
+        self._touching = [Anew(other.changing, other.driver) for other in near.models if touching]
         self.nothing = (
-            not changed and self.inert and not self.moves and all(alike(starts[0], x) for x in starts)
+            not changed
+            and not touching
+            and self.inert
+            and not self.moves
+            and all(alike(starts[0], x) for x in starts)
         )
 
     def of_others(self, here: Here) -> FloatArray | None:
-        """Dr/dp at a fixed state of the terms that have no share, shape (n,); None where there are none."""
-        if not self._rest:
-            return None
-        total = self._rest[0].slope(here)
-        for term in self._rest[1:]:
-            total = total + term.slope(here)
-        return total
+        """Dr/dp at a fixed state of what has no share, shape (n,); None where there is nothing."""
+        parts = [term.slope(here) for term in self._rest]
+        if self._touching:
+            parts.append(self._near.slope([one.residual(here.c) for one in self._touching]))
+        return sum(parts[1:], parts[0]) if parts else None
 
     def of_holds(
         self, held: IntArray, t: float, since: Since, dq: FloatArray, turns: Sequence[FloatArray]

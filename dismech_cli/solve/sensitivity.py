@@ -24,11 +24,13 @@ import numpy as np
 
 from ..arrays import BoolArray, FloatArray, IntArray
 from ..kernels.driver import Driver
-from ..kinematics.motion import Since, held_dofs, held_span
+from ..kinematics.motion import Since, held_dofs, held_span, prescribe
 from ..kinematics.turning import Holonomy
 from ..model.configuration import Configuration
 from ..model.model import Model
 from ..model.state import State
+from .accelerations import EULER
+from .anew import met
 from .commanded import Acting, Commanded, nothing_acts
 from .integrators import Integrator
 from .maps import Maps
@@ -76,6 +78,7 @@ class Differentiated:
         integrator: Integrator,
         parameters: Sequence[Neighbours],
         sweeper: Driver | None = None,
+        steps: Sequence[TapedStep] = (),
     ) -> None:
         """Bind everything once.
 
@@ -84,13 +87,16 @@ class Differentiated:
             integrator: Of its run.
             parameters: What it is differentiated by.
             sweeper: Runs what goes through stages; by default what runs the model.
+            steps: What the run did; none where nothing comes and goes.
 
         Raises:
             UnlikeError: A parameter changes the structure of the model.
         """
         self.model, self.integrator = model, integrator
         sweeper = sweeper or model.driver
-        self._slope = Slope(model, sweeper)
+        exact = replace(model, changing=tuple(term.exactly() for term in model.changing))
+        self._slope = Slope(exact, sweeper, met(exact.changing, model.driver, integrator, steps))
+        self._rubs = any(term.velocity_dependent for term in model.changing)
         self.parameters = tuple(
             ParameterSlope(k, model, near, self._slope.pattern, self._slope.terms)
             for k, near in enumerate(parameters)
@@ -103,7 +109,7 @@ class Differentiated:
         self._moves = bool(model.mass.any())
         self._held: dict[float, Held] = {}
         self._span = (0.0, 0.0)
-        self._maps: dict[tuple[int, float], Maps] = {}
+        self._maps: dict[tuple[str, int, float], Maps] = {}
 
     @property
     def retraceable(self) -> bool:
@@ -129,11 +135,25 @@ class Differentiated:
         begins = state.t in (0.0, self.held(state.t).since)
         return begins and self.integrator.needs_acceleration
 
-    def maps(self, start: State, index: int, dt: float) -> Maps:
+    def maps(self, integrator: Integrator, start: State, index: int, dt: float) -> Maps:
         """Those of a stage of a step of ``dt`` [s]; the state may be any."""
-        if (index, dt) not in self._maps:
-            self._maps[index, dt] = Maps.of(self.integrator, start, index, dt)
-        return self._maps[index, dt]
+        key = (integrator.name, index, dt)
+        if key not in self._maps:
+            self._maps[key] = Maps.of(integrator, start, index, dt)
+        return self._maps[key]
+
+    @property
+    def rubs(self) -> bool:
+        """Whether an acceleration that is made anew is that which friction leaves."""
+        return self._rubs
+
+    def rubbed(self, step: TapedStep) -> SolvedStage:
+        """The step of Euler's method that it was made by, see :func:`.accelerations.rubbed`."""
+        start, dt = step.start, step.dt
+        q, since = start.q + dt * (start.v + dt * start.a), Since(start.t, start.q, start.frames)
+        stage = EULER.stage(0, start, start, dt)
+        prescribe(self.model.motions, q, stage.t_end, since)
+        return SolvedStage(stage, q, start.frames, start.q, start.t)
 
     def trial(self, solved: SolvedStage) -> Configuration:
         """The solution of a stage as a trial point."""
@@ -229,16 +249,24 @@ def forward(
 def _after(model: Differentiated, step: TapedStep, d: Variation, wanted: IntArray) -> Variation:
     """Derivative after a step from that before."""
     if model.jumps(step.start):
-        d = replace(d, a=_balanced(model, step.start, d))
+        d = replace(d, a=(_rubbed(model, step, d) if model.rubs else _balanced(model, step.start, d)))
     start = latest = d
     for index, solved in enumerate(step.stages(model.integrator)):
-        latest, acceleration = _through(model, step, index, solved, start, latest, wanted)
+        latest, acceleration = _through(model, model.integrator, step, index, solved, start, latest, wanted)
     # as what holds a mass moves it, along its path and not as the integrator would have it
     held, mass = model.held(step.start.t).dofs, model.model.mass
     if wanted.size and held.size and mass[held].any():
         change = (latest.v - start.v) / step.dt - acceleration
         latest.residual[held] += mass[held, None] * change[held]
     return latest
+
+
+def _rubbed(model: Differentiated, step: TapedStep, d: Variation) -> FloatArray:
+    """Derivative of the mean acceleration of a step of Euler's method, shape (n, P)."""
+    after, _ = _through(model, EULER, step, 0, model.rubbed(step), d, d, NOWHERE)
+    free, a = model.held(step.start.t).balance.free, np.zeros_like(d.q)
+    a[free] = (after.v - d.v)[free] / step.dt
+    return a
 
 
 def _balanced(model: Differentiated, state: State, d: Variation) -> FloatArray:
@@ -262,6 +290,7 @@ def _balanced(model: Differentiated, state: State, d: Variation) -> FloatArray:
 
 def _through(
     model: Differentiated,
+    integrator: Integrator,
     step: TapedStep,
     index: int,
     solved: SolvedStage,
@@ -272,7 +301,7 @@ def _through(
     """Derivative after a stage, and that of the acceleration that it balances, shape (n, P)."""
     stage, held = solved.stage, model.held(step.start.t)
     c, slopes, holonomies = model.slopes(solved)
-    ends, maps = model.at_end(solved, holonomies), model.maps(step.start, index, step.dt)
+    ends, maps = model.at_end(solved, holonomies), model.maps(integrator, step.start, index, step.dt)
     b = model.by_parameters(c, slopes, stage.acceleration(solved.q))
     if latest.inputs.any():
         b += model.by_inputs(c, latest.inputs)
@@ -285,7 +314,7 @@ def _through(
             (q, v, a), turns = found
             return Variation(q, v, a, turns, latest.residual, latest.inputs, latest.memory), a
     return _by_batches(
-        model, index, step, solved, start, latest, wanted, (slopes, holonomies, ends), b, held_q
+        model, integrator, index, step, solved, start, latest, wanted, (slopes, holonomies, ends), b, held_q
     )
 
 
@@ -303,6 +332,7 @@ def _where_held(model: Differentiated, held: Held, solved: SolvedStage, latest: 
 
 def _by_batches(
     model: Differentiated,
+    integrator: Integrator,
     index: int,
     step: TapedStep,
     solved: SolvedStage,
@@ -317,6 +347,7 @@ def _by_batches(
 
     Args:
         model: With its slopes.
+        integrator: Has the maps.
         index: Of the stage.
         step: Its step.
         solved: The stage.
@@ -329,7 +360,7 @@ def _by_batches(
     """
     stage, held = solved.stage, model.held(step.start.t)
     slopes, holonomies, ends = at
-    maps = model.integrator.stage(index, _as_state(step.start, start), _as_state(step.start, latest), step.dt)
+    maps = integrator.stage(index, _as_state(step.start, start), _as_state(step.start, latest), step.dt)
     w, mass = stage.weights, model.model.mass[:, None]
     factors, free = held.balance.factorize(slopes, w), held.balance.free
     along = [edges.along(latest.q) for edges in model.edges]

@@ -14,10 +14,11 @@ from scipy.sparse import csc_matrix, csr_matrix
 
 from ..arrays import BoolArray, FloatArray
 from ..kernels.driver import Driver
-from ..kernels.linearization import Linearization, RankOne, all_symmetric
+from ..kernels.linearization import Coupling, Linearization, RankOne, all_symmetric
 from ..kinematics.turning import Holonomy
 from ..model.configuration import Configuration
 from ..model.model import Model
+from .anew import Anew
 from .carried import Carried
 from .linear.choice import LINEAR_SOLVERS, choose_solver
 from .linear.factors import Factors
@@ -105,25 +106,31 @@ class Slope:
         terms: Its terms, bound.
     """
 
-    def __init__(self, model: Model, sweeper: Driver) -> None:
+    def __init__(self, model: Model, sweeper: Driver, met: Sequence[Coupling]) -> None:
         """Bind all terms.
 
         Args:
-            model: The semi-discrete system, without terms whose stencils come and go.
+            model: The semi-discrete system.
             sweeper: Runs sweeps.
+            met: What comes to be coupled wherever slopes are asked for.
         """
-        self.model, self.sweeper = model, sweeper
-        self.pattern = pattern = _pattern(model, np.ones(model.dofs.n, dtype=np.bool_))
+        self.model, self.sweeper, self._met = model, sweeper, met
+        self._anew = Anew(model.changing, model.driver)
+        self.pattern = pattern = self.pattern_of(np.ones(model.dofs.n, dtype=np.bool_))
         if not pattern.symmetric:
             self._lower, self._upper = pattern.mirror()
         self.terms = tuple(term.bind(pattern, model.driver) for term in model.terms)
         self._damping = Entries(pattern)
-        self._damped = any(term.velocity_dependent for term in model.terms)
+        self._damped = any(term.velocity_dependent for term in model.terms) or any(
+            term.velocity_dependent for term in model.changing
+        )
         self._stiffness, n = np.zeros(pattern.slots), model.dofs.n
         self._residuals = np.zeros((len(self.terms), n))
         self._rank_ones: list[RankOne] = []
         rates = self._damping.values if self._damped else None
         self._matrix = matrix_of(pattern, self._stiffness, rates, model.mass)
+        # forces of what comes and goes are no multiples of anything
+        self._into = Linearization(np.zeros(n), self._stiffness, self._damping.values, self._rank_ones)
         buffers = [
             Linearization(row, self._stiffness, self._damping.values, self._rank_ones)
             for row in self._residuals
@@ -143,6 +150,16 @@ class Slope:
             if not one.varied
         ]
 
+    def pattern_of(self, free: BoolArray) -> SparsityPattern:
+        """The pattern over some DOFs, given as a mask (n,); of one triangle if no slope needs both."""
+        model = self.model
+        couplings = [coupling for term in model.terms for coupling in term.couplings]
+        carried = any(not one.varied for one in model.frames.turning)
+        symmetric = all_symmetric(couplings) and all(term.symmetric for term in model.changing)
+        return SparsityPattern.build(
+            model.dofs, free, [*couplings, *self._met], symmetric=symmetric and not carried
+        )
+
     def at(self, c: Configuration, holonomies: Sequence[Holonomy]) -> Slopes:
         """Slopes at a trial point.
 
@@ -155,6 +172,8 @@ class Slope:
         self._rank_ones.clear()
         for term, into in self._one_sided:
             term.add_linearization(c, into)
+        self._anew.place(c, self.pattern)
+        self._anew.add(c, self._into, symmetric=True)
         damped = self._damped
         if not self.pattern.symmetric:
             stiffness[self._lower] = stiffness.take(self._upper)
@@ -162,6 +181,7 @@ class Slope:
                 damping[self._lower] = damping.take(self._upper)
         for term, into in self._two_sided:
             term.add_linearization(c, into)
+        self._anew.add(c, self._into, symmetric=False)
         rates = damping if damped else None
         for k, carried in self._carried:
             carried.add(stiffness, rates, self._residuals, holonomies[k], c)
@@ -185,7 +205,7 @@ class Balance:
             free: Mask of the free DOFs, shape (n,).
         """
         whole, model = slope.pattern, slope.model
-        pattern = whole if free.all() else _pattern(model, free)
+        pattern = whole if free.all() else slope.pattern_of(free)
         self.free = pattern.free
         self._total = Entries(whole)
         self._diagonal, self._mass = whole.diagonal, model.mass[whole.free]
@@ -241,12 +261,3 @@ class Balance:
         for column, row in self._rank_ones:
             out += float(column @ mu) * row
         return out
-
-
-def _pattern(model: Model, free: BoolArray) -> SparsityPattern:
-    """The pattern over some DOFs, given as a mask (n,); of one triangle if no slope needs both."""
-    couplings = [coupling for term in model.terms for coupling in term.couplings]
-    carried = any(not one.varied for one in model.frames.turning)
-    return SparsityPattern.build(
-        model.dofs, free, couplings, symmetric=all_symmetric(couplings) and not carried
-    )

@@ -104,18 +104,49 @@ def test_energies(call, energy):
     assert result.check.gradient == pytest.approx(result.check.difference, rel=1e-6)
 
 
-def test_contact_is_differentiated_by_runs_and_said_so(call):
+def resting(**contact):
+    """A rod that sags onto a floor."""
     deck = sagging(numerics={"integrator": {"type": "static", "load_steps": 1}})
     deck["forces"][0]["acceleration"] = [0, 0, -9.81]
     deck["materials"]["m"]["youngs_modulus"] = 1e8
     deck["obstacles"] = [{"type": "plane", "name": "floor", "point": [0, 0, -0.01], "normal": [0, 0, 1]}]
-    deck["contact"] = {"pairs": [{"between": ["rod", "floor"]}]}
+    deck["contact"] = {"pairs": [{"between": ["rod", "floor"]}]} | contact
+    weight = {"contact": ["rod", "floor"], "measure": "normal", "component": "z"}
+    return deck | {"output": {"probes": TIP | {"weight": weight}}}
+
+
+def test_contact_whose_stiffness_adapts_is_differentiated_by_runs_and_said_so(call):
+    deck = resting() | {"numerics": {"integrator": {"type": "implicit_euler"}, "dt": 2e-3, "t_end": 0.06}}
     result = found(call("gradient", write(deck), "--of", "tip", "--by", MODULUS, "--json", "-q"))
     assert result.method == "differences"
     assert result.why is not None
     assert "contact" in result.why
     refused = call("gradient", write(deck), "--of", "tip", "--by", MODULUS, "--method", "forward", "-q")
     assert refused.code == 2
+    assert "contact.law.stiffness" in refused.stderr
+
+
+@pytest.mark.parametrize("method", ["forward", "adjoint"])
+def test_contact_of_given_stiffness_is_differentiated_exactly(call, method):
+    deck = resting(law={"stiffness": 1e4})
+    by = ("--by", MODULUS, "--by", "contact.law.stiffness", "--by", "obstacles[0].point[2]")
+    result = found(call("gradient", write(deck), "--of", "tip", *by, "--method", method, "--json", "-q"))
+    assert result.method == method
+    assert result.check is not None
+    assert result.check.agrees
+    assert result.check.gradient == pytest.approx(result.check.difference, rel=1e-6)
+
+
+def test_what_a_floor_bears_is_differentiated(call):
+    deck = resting(law={"stiffness": 1e4})
+    by = ("--by", MODULUS, "--by", "materials.m.density")
+    result = found(call("gradient", write(deck), "--of", "weight", *by, "--json", "-q"))
+    assert result.method == "forward"
+    assert result.check is not None
+    assert result.check.gradient == pytest.approx(result.check.difference, rel=1e-6)
+    deck["output"]["probes"]["weight"]["measure"] = "places"
+    del deck["output"]["probes"]["weight"]["component"]
+    assert call("gradient", write(deck), "--of", "weight", *by, "-q").code == 2
 
 
 SHORT = (

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -189,10 +190,12 @@ def last_shape(simulation: Simulation) -> FloatArray:
     return course.state.q
 
 
-def differentiated(cases: list[Case], simulation: Simulation) -> Differentiated:
-    """A scene with its slopes to the values of cases that are all of it."""
+def differentiated(
+    cases: list[Case], simulation: Simulation, steps: Sequence[TapedStep] = ()
+) -> Differentiated:
+    """A scene with its slopes to the values of cases that are all of it, along what it did if it touches."""
     near = [case.neighbours() for case in cases]
-    return Differentiated(simulation.model, simulation.integrator, near)
+    return Differentiated(simulation.model, simulation.integrator, near, steps=steps)
 
 
 def central(case: Case, part: float) -> FloatArray:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import TypeAlias
 
 import numpy as np
 
@@ -12,6 +13,20 @@ from ..law.between import Between
 from ..points.points import Points
 from ..points.strips import Strips
 from .stencils import Stencils
+
+Remake: TypeAlias = Callable[[FloatArray, FloatArray], tuple[Points, FloatArray]]
+"""Points of R items that share no nodes, and relative velocities there (3, K), from the places and
+velocities of their nodes, each of shape (R, n, 3)."""
+
+Again: TypeAlias = Callable[[IntArray], Remake]
+"""Makes that of some items, which it numbers anew."""
+
+
+def at_points(points: Points, values: FloatArray) -> FloatArray:
+    """Vectors of the nodes of items (R, n, 3) as those of the lines against what they face, shape (3, K)."""
+    nodal = values[points.item].transpose(1, 2, 0)
+    out: FloatArray = (points.weights[:, None] * nodal).sum(axis=0)
+    return out
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,6 +40,7 @@ class Touching:
         between: What the bodies of the items are to each other.
         moving: Gives the relative velocity at each point [m/s], shape (3, K): smooth contact never asks.
         lagged: Normal force that friction goes by [N], shape (K,); None for that of the points.
+        again: Finds the points of some items at other places; None where nothing asks for that.
     """
 
     kind: int
@@ -33,6 +49,7 @@ class Touching:
     between: Between
     moving: Callable[[], FloatArray]
     lagged: FloatArray | None = None
+    again: Again | None = None
 
     @property
     def points(self) -> Points:

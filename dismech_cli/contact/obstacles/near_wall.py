@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 from typing import Final
 
 import numpy as np
@@ -54,6 +55,7 @@ class NearWall:
             stencils=self.stencils[0],
             strips=replace(points, item=self._rows[points.item]),
             between=self._wall.between,
+            again=partial(self._wall.again, t=t, factor=factor),
         )
 
     def velocities(self, touching: Touching, x: FloatArray, v: FloatArray, t: float) -> FloatArray:

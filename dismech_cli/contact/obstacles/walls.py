@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
 
@@ -10,7 +11,7 @@ from ...arrays import FloatArray, IntArray
 from ...kinematics.dofs import DofMap
 from ..gather.source import Depths
 from ..gather.stencils import Stencils
-from ..gather.touching import Touching
+from ..gather.touching import Remake, Touching, at_points
 from ..law.between import Between
 from ..law.stiffness import asked_for, impact_force
 from ..nearby.advance import longest_way
@@ -65,7 +66,21 @@ class Wall:
             strips=points,
             between=self.between,
             moving=lambda: self.velocities(points, x, v, t),
+            again=partial(self.again, t=t, factor=factor),
         )
+
+    def again(self, items: IntArray, t: float, factor: float) -> Remake:
+        """What finds the points of some of the lines at other places."""
+        some = self.some(items)
+        scale, pose = factor * some.stiffness * some.lines.weights * some.lines.lengths, self.obstacle.pose
+
+        def remake(x: FloatArray, v: FloatArray) -> tuple[Points, FloatArray]:
+            start, end = (np.ascontiguousarray(x[:, k].T) for k in range(2))
+            points = self.obstacle.points(t, start, end - start, some.lines.radii, scale)
+            moved = at_points(points, v)
+            return points, moved if pose.still else moved - pose.velocities(t, at_points(points, x))
+
+        return remake
 
     def velocities(self, points: Points, x: FloatArray, v: FloatArray, t: float) -> FloatArray:
         """Velocities of the lines against the surface at points of contact [m/s], shape (3, K)."""

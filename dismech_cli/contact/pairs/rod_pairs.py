@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 from typing import Final
 
 import numpy as np
@@ -12,12 +13,13 @@ from ...arrays import FloatArray, IntArray
 from ...model.term import Memory
 from ..gather.source import Depths
 from ..gather.stencils import Stencils
-from ..gather.touching import Touching
+from ..gather.touching import Remake, Touching, at_points
 from ..law.between import Between
 from ..law.levels import from_here_on, of_next, shared
 from ..law.stiffness import asked_for, impact_force
 from ..nearby.candidates import among
 from ..nearby.placed import Placed
+from ..points.points import Points
 from .search import MARGIN, Search
 
 PAIRS: Final = "contact.pairs"
@@ -230,4 +232,18 @@ class RodPairs:
             strips=strips,
             between=one.between,
             moving=lambda: stencils.relative(strips.points, v),
+            again=partial(self._again, one, factor),
         )
+
+    def _again(self, one: Active, factor: float, items: IntArray) -> Remake:
+        """What finds the points of some rows at other places."""
+        own, size = np.searchsorted(one.rows, items), self._stencils[one.kind].nodes.shape[1]
+        rows, nodes = np.arange(len(items)), np.arange(len(items) * size).reshape(-1, size)
+        reach, scale = one.reach[own], factor * one.scale[own]
+        find = (self._loops.segment_strips, self._loops.vertex_strips)[one.kind]
+
+        def remake(x: FloatArray, v: FloatArray) -> tuple[Points, FloatArray]:
+            points = find(np.ascontiguousarray(x).reshape(-1, 3), nodes, rows, reach, scale).points
+            return points, at_points(points, v)
+
+        return remake

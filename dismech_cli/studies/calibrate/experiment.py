@@ -21,7 +21,17 @@ from ...solve.linear.factors import FactorizationError
 from ...solve.sensitivity import NOWHERE, forward
 from ..gradient.acting import acting_of
 from ..gradient.reading import Readings, states
-from ..gradient.run import TapedRun, differentiated, exactly, quietly, run_taped, sweeper, why_not, why_not_by
+from ..gradient.run import (
+    TapedRun,
+    differentiated,
+    exactly,
+    quietly,
+    run_taped,
+    sweeper,
+    why_not,
+    why_not_after,
+    why_not_by,
+)
 from ..gradient.setting import Nearby, Setting, nearby
 from ..source import Source
 from .channel import Channel, Probed, points, sampling
@@ -102,9 +112,10 @@ class Experiment:
                 )
                 if self.why:
                     self.narrator.say(f"gradients by differences of runs: {self.why}")
-            found.slopes = (
-                self._by_runs(values) if self.why else self._differentiated(values, composition, run)
-            )
+            here = self.why or why_not_after(run)
+            if here and not self.why:
+                self.narrator.say(f"gradients by differences of runs here: {here}")
+            found.slopes = self._by_runs(values) if here else self._differentiated(values, composition, run)
             self._keep(key)
             self._tapes.clear()
             self._neighbours.clear()
@@ -195,7 +206,7 @@ class Experiment:
         if not count:
             return [np.zeros((len(one.fitted), len(one.labels), 0)) for one in self.curves]
         near = self._near(values, composition)
-        model = differentiated(run.simulation, near, sweeper(self.loaded, run.simulation))
+        model = differentiated(run, near, sweeper(self.loaded, run.simulation))
         channels = [self._channel(k, composition, near) for k in range(len(self.curves))]
         sampled = [sampling(one.times, run, still=still) for one in self.curves]
         read: list[list[FloatArray]] = [[] for _ in self.curves]

@@ -18,7 +18,7 @@ from ...model.alike import alike
 from ...run.observables.probes import Probe
 from ...run.simulation import Simulation
 from ...scenario.language.expect import measured
-from ...scenario.language.probe import EnergyProbe, StabilityProbe
+from ...scenario.language.probe import ContactProbe, EnergyProbe, StabilityProbe
 from ...scenario.language.probe import Probe as ProbeSpec
 from ...scenario.load import LoadedScenario
 from ...session.narrator import Narrator, Silent
@@ -40,6 +40,7 @@ from .run import (
     start_run,
     sweeper,
     why_not,
+    why_not_after,
     why_not_by,
 )
 from .setting import Nearby, Setting, expanded, nearby
@@ -144,19 +145,20 @@ def gradient(
     near = [nearby(source, one, composition.plan.kernels) for one in settings] if exactly_asked else []
     composing = time.perf_counter() - tick
     why = why or why_not_by(simulation, near)
-    if why and method in (Method.FORWARD, Method.ADJOINT):
-        raise ScenarioError(f"no {method.value} derivative: {why}; take --method differences")
+    _refuse(method, why)
     tick = time.perf_counter()
     run = run_taped(simulation, narrator)
     value = target(run.outcome.times, run.outcome.watched[of])
     tock = time.perf_counter()
+    why = why or why_not_after(run)
+    _refuse(method, why)
     if why or method is Method.DIFFERENCES:
         sizes = np.array([setting.size for setting in settings])
         slopes = np.array([_by_runs(source, target, (one,), np.array([one.size]))[0] for one in settings])
         slopes /= sizes
         chosen = Method.DIFFERENCES
     else:
-        model = differentiated(simulation, near, sweeper(loaded, simulation))
+        model = differentiated(run, near, sweeper(loaded, simulation))
         for setting, one, beside in zip(settings, model.parameters, near, strict=True):
             acts = not all(alike(simulation.controls, other.controls) for other in beside.simulations)
             if one.nothing and not acts:
@@ -166,6 +168,16 @@ def gradient(
     seconds = (tock - tick, composing + time.perf_counter() - tock)
     check = _check(source, target, settings, slopes, value) if checked and not why else None
     return Gradient(of, unit, value, settings, slopes, chosen, why, check, seconds)
+
+
+def _refuse(method: Method, why: str) -> None:
+    """Refuse exact derivatives that were asked for and are not there.
+
+    Raises:
+        ScenarioError: They are not.
+    """
+    if why and method in (Method.FORWARD, Method.ADJOINT):
+        raise ScenarioError(f"no {method.value} derivative: {why}; take --method differences")
 
 
 def find(loaded: LoadedScenario, composition: Composition, name: str) -> tuple[Reduced, str]:
@@ -201,6 +213,8 @@ def _history(probe: ProbeSpec) -> str:
     match probe:
         case StabilityProbe():
             raise ScenarioError("a number of eigenvalues has no derivative")
+        case ContactProbe(measure="places"):
+            raise ScenarioError("a number of edges that touch has no derivative")
         case EnergyProbe(energy="error" | "friction" | "contact" as name):
             return f"the energy {name!r} is summed over the run"
         case _:

@@ -19,17 +19,20 @@ from ...run.observables.snapshot import Snapshot
 from ...run.observe import Observer
 from ...run.simulation import Simulation
 from ...solve.adjoint import Owed
+from ...solve.anew import Anew
 from ...solve.neighbours import CENTRAL, Variation
 from ...solve.step import Stepper
 from ...solve.tape import TapedStep
+from ...solve.trials import at
 from .setting import Nearby
 
 Probes = Sequence[Probe]
 
 # Units of what is read from the state alone: at one state it differs between scenes by its places only.
 _OF_STATE = ("m", "m/s", "rad")
-# Largest displacement of a state to see how a number changes, of an edge; largest turn [rad].
-_SMALL = 1e-3
+# Largest displacement of a state to see how a number changes, of an edge; largest turn [rad]. Where things
+# touch it is small against how deep they are in each other.
+_SMALL, _SMALLER = 1e-3, 1e-6
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,6 +102,11 @@ class Eye:
         account.bind(stepper.system, 0.0)
         return Observer(simulation, stepper, account, lambda found: None)
 
+    @cached_property
+    def _anew(self) -> Anew:
+        """What touches, at any state."""
+        return Anew(self._model.changing, self._model.driver)
+
     def read(self, probe: Probe, state: State, residual: FloatArray) -> float:
         """A probe at a state, with the residual of the stage that led there (n,)."""
         return probe(
@@ -110,7 +118,7 @@ class Eye:
                 lambda: self._observer.snapshot(state, residual).negative_eigenvalues,
                 lambda name: self._observer.snapshot(state, residual).stencil_energies(name),
                 lambda name: self._observer.snapshot(state, residual).natural(name),
-                lambda: self._observer.snapshot(state, residual).touching(),
+                lambda: self._anew.touch(at(self._model, state)),
             )
         )
 
@@ -129,7 +137,7 @@ class Eye:
         turned = float(np.abs(d.q[n:, column]).max(initial=0.0))
         fastest = max(moved, turned)
         if fastest > 0.0:
-            return _SMALL / fastest
+            return (_SMALLER if self._model.changing else _SMALL) / fastest
         rest = max(float(np.abs(x[:, column]).max(initial=0.0)) for x in (d.v, d.residual, d.inputs))
         return 1.0 / rest if rest > 0.0 else 0.0
 

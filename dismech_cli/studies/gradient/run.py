@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from ...compose.compose import Composition, compose
 from ...errors import ScenarioError, SolverError, UnfinishedError
 from ...kernels.driver import Driver
@@ -21,6 +23,7 @@ from ...scenario.load import LoadedScenario
 from ...session.composing import composed
 from ...session.narrator import Narrator
 from ...session.sinks import Latest, Several, Telling
+from ...solve.accelerations import SAME
 from ...solve.neighbours import UnlikeError
 from ...solve.sensitivity import Differentiated
 from ...solve.sweep import LOOPS
@@ -98,13 +101,25 @@ def why_not(simulation: Simulation) -> str:
         return "the load factor of a path of equilibria is an unknown"
     if isinstance(simulation.control, Adaptive):
         return "the lengths of adaptive steps depend on all values; 'numerics.dt' makes them fixed"
-    if model.changing:
-        return "contact has no tangent that is exact across its ends"
+    if why := next((why for term in model.changing if (why := term.untold(()))), ""):
+        return why
     if any(edges.shared for edges in model.frames.turning):
         return "shells that are welded share their normals"
     stages = simulation.integrator.stages * simulation.control.steps
     if 48.0 * stages * model.dofs.n > _TAPE_BYTES:
         return "the run is too long to keep all its steps in memory"
+    return ""
+
+
+def why_not_after(run: TapedRun) -> str:
+    """The same of what a run has come to; empty if it has an exact derivative."""
+    left = [step.result.state.memory for step in run.steps]
+    why = next((why for term in run.simulation.model.changing if (why := term.untold(left))), "")
+    if why or not run.simulation.model.changing or not run.simulation.integrator.needs_acceleration:
+        return why
+    lengths = np.array([step.dt for step in run.steps])
+    if (np.abs(lengths / lengths.mean() - 1.0) > SAME).any():
+        return "a step was cut, and contact hands its accelerations on by the lengths of steps"
     return ""
 
 
@@ -126,16 +141,15 @@ def sweeper(loaded: LoadedScenario, simulation: Simulation) -> Driver:
     return simulation.model.driver if kept else NumpyDriver()
 
 
-def differentiated(simulation: Simulation, near: Sequence[Nearby], sweeps: Driver) -> Differentiated:
-    """A simulation with its slopes to parameters, and what runs sweeps.
+def differentiated(run: TapedRun, near: Sequence[Nearby], sweeps: Driver) -> Differentiated:
+    """What was run with its slopes to parameters, and what runs sweeps.
 
     Raises:
         ScenarioError: A parameter changes the structure of the model.
     """
     try:
-        return Differentiated(
-            simulation.model, simulation.integrator, [one.neighbours for one in near], sweeps
-        )
+        parameters, simulation = [one.neighbours for one in near], run.simulation
+        return Differentiated(simulation.model, simulation.integrator, parameters, sweeps, run.steps)
     except UnlikeError as error:
         path = near[error.index].setting.path
         raise ScenarioError(f"{path} changes what the model is made of: it has no derivative") from None
