@@ -252,7 +252,7 @@ def test_a_scene_with_contact_is_fitted_by_runs_and_said_so(call):
     table["markers"] = {"of": "arm", "nodes": list(range(1, 11)), "columns": {"x": "x", "z": "z"}}
     deck["calibrate"] = {"fit": [{"of": E, "scale": "log"}], "data": [table]}
     done = call("calibrate", write(deck), "-o", "fit", "--set", f"{E}=1.3e6", "--json")
-    assert "gradients by differences of runs: contact" in done.stderr
+    assert "gradients by differences of runs here: the stiffness of contact changes" in done.stderr
     assert fitted(done)["parameters"][0]["value"] == pytest.approx(1e6, rel=1e-3)
 
 
