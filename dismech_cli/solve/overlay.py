@@ -41,6 +41,7 @@ class Overlay:
     Attributes:
         terms: All changing terms, bound.
         sets: What decides on their stencils.
+        rubs: Whether any of them depends on velocity.
         watch: Time that they take: what is found and what is added.
     """
 
@@ -51,6 +52,7 @@ class Overlay:
         self._symmetric = [term for term in bound if term.symmetric]
         self._general = [term for term in bound if not term.symmetric]
         self.terms: tuple[BoundChanging, ...] = (*self._symmetric, *self._general)
+        self.rubs = any(term.velocity_dependent for term in changing)
         self._moved, self._begins = False, True
         self._of_step: list[Coupling] = []
         self._extend(self._extender.entries(()))
@@ -92,8 +94,10 @@ class Overlay:
             velocity: Weight of the damping.
         """
         values = self._into.stiffness
-        values *= position
-        values += velocity * self._into.damping
+        if position != 1.0:
+            values *= position
+        if self.rubs:
+            values += velocity * self._into.damping
         values[self._extension.base_slots] += base
         return values
 
@@ -157,7 +161,8 @@ class Overlay:
         into = self._into
         into.residual, into.rank_ones = residual, rank_ones
         into.stiffness[:] = 0.0
-        into.damping[:] = 0.0
+        if self.rubs:
+            into.damping[:] = 0.0
         for term in self._symmetric:
             add(term, c, into)
         if self._mirror is not None:

@@ -190,6 +190,8 @@ class StageProblem:
         if not self.system.changing:
             return 1.0
         long = self.longest_step(q, step)
+        if not self.system.rubs:
+            return long
         end = self._moved(q, long * step)
         if not self.system.reverses(self.stage, q, end, self.stored):
             return long

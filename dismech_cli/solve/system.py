@@ -145,6 +145,11 @@ class System:
         return () if self._overlay is None else self._overlay.terms
 
     @property
+    def rubs(self) -> bool:
+        """Whether any of these depends on velocity."""
+        return self._overlay is not None and self._overlay.rubs
+
+    @property
     def changing_seconds(self) -> float:
         """Wall time that what comes and goes took so far [s]."""
         return 0.0 if self._overlay is None else self._overlay.watch.seconds

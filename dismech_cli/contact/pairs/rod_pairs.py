@@ -107,13 +107,11 @@ class RodPairs:
 
     def touching(self, x: FloatArray, v: FloatArray, t: float, factor: float) -> Iterator[Touching]:
         """Lines against segments, and what the vertices between these count too much."""
-        placed = self._placed.keys
-        active = np.flatnonzero(among(placed, self._search.within(x, 0.0)))
-        if not len(active):
-            return
+        near = self._search.within(x, 0.0)
         # they seldom change from one trial point to the next
-        if not np.array_equal(active, self._last):
-            self._last, self._active = active, tuple(self._kinds(active))
+        if not np.array_equal(near, self._last):
+            active = np.flatnonzero(among(self._placed.keys, near))
+            self._last, self._active = near, tuple(self._kinds(active)) if len(active) else ()
         for one in self._active:
             yield self._touching(one, factor, x, v)
 

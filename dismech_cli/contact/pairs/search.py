@@ -29,6 +29,8 @@ class Search:
         distance: Distance of each at the places last asked for [m], shape (P,).
     """
 
+    _astray: tuple[FloatArray, float]
+
     def __init__(self, neighbours: Neighbours, loops: Loops) -> None:
         self.neighbours, self.loops = neighbours, loops
         self._thick = 2.0 * float(neighbours.lines.radii[neighbours.numbers].max(initial=0.0))
@@ -105,11 +107,14 @@ class Search:
         self._keys = self.neighbours.keys(self.candidates)
         self.reach = self.neighbours.reach(self.candidates)
         self._measured, self._asked = np.empty(0), None
+        self._astray = x, 0.0
 
     def _strayed(self, x: FloatArray) -> float:
-        """How far a node has moved since the last search [m]."""
+        """How far a node has moved since the last search [m]; kept until other places are asked for."""
         assert self._searched is not None
-        return float(_lengths(x - self._searched).max(initial=0.0))
+        if self._astray[0] is not x:
+            self._astray = x, float(_lengths(x - self._searched).max(initial=0.0))
+        return self._astray[1]
 
 
 def _lengths(ways: FloatArray) -> FloatArray:
