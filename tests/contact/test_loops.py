@@ -88,8 +88,14 @@ def test_distances_of_triangles(compiled: Loops) -> None:
     assert_allclose(found, expected, rtol=1e-10, atol=1e-13)
     limit = np.full(COUNT, 0.3)
     near, other = compiled.look(x, nodes, limit), Batches().look(x, nodes, limit)
-    assert_array_equal(near.kept, other.kept)
-    assert_allclose(near.distance, other.distance, rtol=1e-10, atol=1e-13)
+    # a look keeps all that are nearer, and a few more
+    assert np.isin(other.kept, near.kept).all()
+    assert len(near.kept) < len(other.kept) + COUNT // 4
+    every = np.arange(len(near.kept))
+    assert (near.bound <= near.distances(every) + 1e-13).all()
+    mine = np.searchsorted(near.kept, other.kept)
+    theirs = other.distances(np.arange(len(other.kept)))
+    assert_allclose(near.distances(mine), theirs, rtol=1e-10, atol=1e-13)
     more = x + 0.1 * RNG.normal(size=x.shape)
     assert_allclose(compiled.boxes_apart(x, more, nodes), Batches().boxes_apart(x, more, nodes), rtol=1e-14)
 

@@ -41,6 +41,15 @@ class Cut:
     pieces: Pieces
     feature: IntArray
 
+    @property
+    def bound(self) -> FloatArray:
+        """The distances."""
+        return self.distance
+
+    def distances(self, which: IntArray) -> FloatArray:
+        """Of some of them."""
+        return self.distance[which]
+
     def strips(self, faced: Faced) -> tuple[Points, Points, Points]:
         """Points of contact with triangles, and with the sides and corners that these share."""
         some = np.flatnonzero(np.isin(self.pieces.item, faced.which))

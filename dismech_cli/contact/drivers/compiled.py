@@ -21,7 +21,7 @@ from ..nearby.candidates import Boxes
 from ..nearby.grid import Grid
 from ..pieces import face_loops, line_loops, point_loops
 from ..points.filled import Loop, StripsOf
-from ..points.surface_compiled import Measured, SurfaceLoops
+from ..points.surface_compiled import Looked, SurfaceLoops
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,6 +37,7 @@ class Compiled:
     distances: Loop
     ways: Loop
     to_faces: Loop
+    bounds: Loop
     boxes: Loop
     weighted: Loop
     blocks: Loop
@@ -54,6 +55,7 @@ class Compiled:
             line_loops.segment_distances,
             way_loops.safe_way,
             face_loops.face_distances,
+            face_loops.face_bounds,
             face_loops.boxes_apart,
             sum_loops.add_weighted,
             sum_loops.add_blocks,
@@ -92,12 +94,12 @@ class Compiled:
         self.boxes(x, more, nodes, out)
         return out
 
-    def look(self, x: FloatArray, nodes: IntArray, limit: FloatArray) -> Measured:
+    def look(self, x: FloatArray, nodes: IntArray, limit: FloatArray) -> Looked:
         """Lines and triangles that are nearer than a limit."""
-        out = np.empty(len(nodes))
-        self.to_faces(x, nodes, limit, out)
-        kept = np.flatnonzero(np.isfinite(out))
-        return Measured(x, kept, out[kept], self.surface)
+        bound = np.empty(len(nodes))
+        self.bounds(x, nodes, limit, bound)
+        kept = np.flatnonzero(np.isfinite(bound))
+        return Looked(x, nodes, kept, bound[kept], self.surface, self.face_distances)
 
     def face_distances(self, x: FloatArray, nodes: IntArray) -> FloatArray:
         """Distances of lines from triangles."""

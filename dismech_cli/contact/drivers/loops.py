@@ -19,11 +19,11 @@ from .compiled import Compiled
 
 
 class Near(Protocol):
-    """Lines and triangles that were measured.
+    """Lines and triangles that were looked at.
 
     Attributes:
         kept: Which of the pairs these are, ascending, shape (K,).
-        distance: Of these [m], shape (K,).
+        bound: What their distances are no less than [m], shape (K,).
     """
 
     @property
@@ -31,14 +31,18 @@ class Near(Protocol):
         """See the class."""
 
     @property
-    def distance(self) -> FloatArray:
+    def bound(self) -> FloatArray:
         """See the class."""
+
+    def distances(self, which: IntArray) -> FloatArray:
+        """Distances of some of them [m], shape (W,)."""
 
     def strips(self, faced: Faced) -> tuple[Strips, Strips, Strips]:
         """Parts that touch triangles, and the sides and corners that these share.
 
-        Their stiffness is that of the secant. What counts as often with one sign as with the other is left
-        out. Valid until the next call.
+        Pairs that do not touch do no harm: who touches a side touches all triangles that have it. Stiffness
+        is that of the secant. What counts as often with one sign as with the other is left out. Valid until
+        the next call.
         """
 
 
@@ -92,7 +96,7 @@ class Loops(Protocol):
         """Distances of the boxes of lines and triangles, nodes (P, 5), at two places of the nodes [m]."""
 
     def look(self, x: FloatArray, nodes: IntArray, limit: FloatArray) -> Near:
-        """Lines and triangles, nodes (P, 5), nearer than a limit (P,) [m]."""
+        """Lines and triangles, nodes (P, 5), all that are nearer than a limit (P,) [m] and maybe more."""
 
     def face_distances(self, x: FloatArray, nodes: IntArray) -> FloatArray:
         """Distances of lines from triangles, nodes (P, 5) [m], shape (P,)."""

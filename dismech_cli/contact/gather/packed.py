@@ -40,14 +40,16 @@ class PackedSums:
         most = min(sum(count * size for count, size in zip(items, pairs, strict=True)), nnz)
         slots = np.empty((most + 1, 9), dtype=np.uint32)
         slots[0] = nnz
-        found, blocks = 0, []
+        found, blocks = 0, list[tuple[IntArray, IntArray]]()
         for one, size in zip(stencils, pairs, strict=True):
             own: IntArray = np.empty((len(one.nodes), size), dtype=np.uint32)
             place = (pattern.order, pattern.indptr, pattern.indices, one.axes, one.dofs)
             found = self.find(*place, numbers, found, own, slots)
-            blocks.append(own)
+            # half the memory of the usual integers, and no check for negative ones
+            dofs: IntArray = one.dofs.astype(np.uint32)
+            blocks.append((own, dofs))
         values = np.zeros((found + 1, 8))
-        kinds = [PackedKind(self, *both, values) for both in zip(stencils, blocks, strict=True)]
+        kinds = [PackedKind(self, one, *own, values) for one, own in zip(stencils, blocks, strict=True)]
         return Packed(self, kinds, slots[: found + 1].copy(), values)
 
 
@@ -59,12 +61,14 @@ class PackedKind:
         loops: What sums.
         stencils: The items.
         blocks: Numbers of their blocks, shape (S, n (n + 1) / 2).
+        dofs: Of the nodes of each, shape (S, n d).
         packed: All blocks, shape (B, 8).
     """
 
     loops: PackedSums
     stencils: Stencils
     blocks: IntArray
+    dofs: IntArray
     packed: FloatArray
 
     def add_squares(self, touching: Touching, r: FloatArray, values: FloatArray) -> None:
@@ -72,7 +76,7 @@ class PackedKind:
         items, t = self.stencils, touching.strips.table
         assert t is not None
         self.loops.squares(
-            *(tuple(range(items.nodes.shape[1])), items.dofs, items.axes, self.blocks),
+            *(tuple(range(items.nodes.shape[1])), self.dofs, items.axes, self.blocks),
             *(t.rows, t.piece_item, t.pieces, t.reach, t.factor, r, self.packed),
         )
 

@@ -50,16 +50,16 @@ class SurfacePairs:
     def detect(self, x: FloatArray) -> bool:
         """Give places to all pairs nearby if one that touches has none."""
         seen = self._search.look(x)
-        touching = np.flatnonzero(seen.distance < seen.reach)
-        without = touching[self._rows(seen)[touching] < 0]
-        return self._placed.detect(seen.keys[without], lambda: seen.within(MARGIN))
+        without = np.flatnonzero((seen.near.bound < seen.reach) & (self._rows(seen) < 0))
+        touching = seen.nearer_of(without, seen.reach)
+        return self._placed.detect(seen.keys[touching], lambda: seen.within(MARGIN))
 
     def touching(self, x: FloatArray, v: FloatArray, t: float, factor: float) -> Iterator[Touching]:
         """Lines against triangles, and what sides and corners of these count too much."""
         facing = self._facing
         seen = self._search.look(x)
         rows = self._rows(seen)
-        which = np.flatnonzero((seen.distance < seen.reach) & (rows >= 0))
+        which = np.flatnonzero((seen.near.bound < seen.reach) & (rows >= 0))
         rows = rows[which]
         for kind, strips, of in facing.strips(seen.near, which, rows, self._reach, factor * self._scale):
             stencils = self._stencils[kind]
@@ -100,9 +100,9 @@ class SurfacePairs:
     def depths(self, x: FloatArray, t: float) -> Depths:
         """Penetration of each line into each body, its deepest."""
         every, seen = self._all, self._search.look(x)
-        near = np.flatnonzero(seen.distance < seen.reach)
+        near = seen.nearer(seen.reach)
         pairs = every.pairs(seen.keys[near])
-        shares = (seen.reach - seen.distance)[near] / every.thickness(pairs)
+        shares = (seen.reach[near] - seen.near.distances(near)) / every.thickness(pairs)
         labels = every.labels[every.bodies(pairs)]
         both, of = np.unique(np.column_stack((pairs[:, 0], labels)), axis=0, return_inverse=True)
         deepest = np.zeros(len(both))
@@ -125,7 +125,7 @@ class SurfacePairs:
         fellows = np.flatnonzero(np.isin(pairs[:, 0], lines))
         near = self._loops.look(x, nodes[fellows], np.full(len(fellows), np.inf))
         now = np.zeros(len(pairs))
-        now[fellows] = near.distance
+        now[fellows] = near.distances(np.arange(len(fellows)))
         mass, other = every.masses[pairs[coming, 0]], every.surface.masses[pairs[coming, 1]]
         depth = tolerance * every.thickness(pairs)
         approach = np.maximum(now - later, 0.0)[coming] / dt

@@ -54,7 +54,7 @@ class Seen:
         x: The nodes [m], shape (N, 3).
         keys: Of the pairs, ascending, shape (P,).
         reach: Distance at which they touch [m], shape (P,).
-        near: What was measured of them; what it kept are candidates.
+        near: What a look told of them; what it kept are candidates.
     """
 
     x: FloatArray
@@ -62,14 +62,17 @@ class Seen:
     reach: FloatArray
     near: Near
 
-    @property
-    def distance(self) -> FloatArray:
-        """Of the pairs [m], shape (P,)."""
-        return self.near.distance
+    def nearer(self, limit: FloatArray) -> IntArray:
+        """Which of the pairs are nearer than limits (P,) [m]."""
+        return self.nearer_of(np.flatnonzero(self.near.bound < limit), limit)
+
+    def nearer_of(self, some: IntArray, limit: FloatArray) -> IntArray:
+        """Which of some of the pairs are nearer than limits of all (P,) [m]."""
+        return some[self.near.distances(some) < limit[some]]
 
     def within(self, margin: float) -> IntArray:
         """Keys of those within reach and a margin in units of it."""
-        return self.keys[self.distance < (1.0 + margin) * self.reach]
+        return self.keys[self.nearer((1.0 + margin) * self.reach)]
 
 
 class FaceSearch:
@@ -112,7 +115,7 @@ class FaceSearch:
     def closer(self, x: FloatArray, share: float) -> IntArray:
         """Keys of pairs that are nearer than a share of the distance at which they touch, 1.1 at most."""
         seen = self.look(x)
-        return seen.keys[seen.distance < share * seen.reach]
+        return seen.keys[seen.nearer(share * seen.reach)]
 
     def coming(self, x0: FloatArray, x1: FloatArray, share: float) -> IntArray:
         """Keys of pairs that may come nearer than that on a straight way, ascending."""
@@ -120,7 +123,7 @@ class FaceSearch:
         moved = 2.0 * self._farthest(x1 - x0)
         # what was not seen is farther away than its reach and the margin
         if moved < (1.0 + MARGIN - share) * self._least:
-            return seen.keys[seen.distance - moved < share * seen.reach]
+            return seen.keys[seen.nearer(share * seen.reach + moved)]
         found, apart = self._on_way(x0, x1, moved)
         return found.keys[apart < share * found.reach]
 

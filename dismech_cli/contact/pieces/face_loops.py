@@ -168,16 +168,37 @@ def boxes_apart(x: FloatArray, more: FloatArray, nodes: IntArray, out: FloatArra
 
 
 @loop
-def _beyond(pair: FloatArray, limit: float) -> bool:
-    """Whether a line is beyond a limit [m] outside of a side of its triangle, or on one side of its plane."""
-    for i in range(3):
-        high = max(pair[_H0, i], pair[_H0, i] + pair[_H1, i])
-        inward = _row(pair, _INWARD + i)
-        if high < 0.0 and high * high > limit * limit * dot(inward, inward):
-            return True
+def _beyond(pair: FloatArray) -> float:
+    """Square of how far at least a line is outside of a side of its triangle or on one side of its plane."""
     one = dot(_row(pair, _NORMAL), _row(pair, _OFFSET))
     other = one + dot(_row(pair, _NORMAL), _row(pair, _LINE))
-    return bool(min(abs(one), abs(other)) > limit and one * other > 0.0)
+    square = min(one * one, other * other) if one * other > 0.0 else 0.0
+    for i in range(3):
+        high = max(pair[_H0, i], pair[_H0, i] + pair[_H1, i])
+        if high < 0.0:
+            inward = _row(pair, _INWARD + i)
+            square = max(square, high * high / dot(inward, inward))
+    return float(square)
+
+
+@loop
+def face_bounds(x: FloatArray, nodes: IntArray, limit: FloatArray, out: FloatArray) -> None:
+    """What distances of lines from triangles are no less than, in a part of their time.
+
+    Args:
+        x: Nodes [m], shape (N, 3).
+        nodes: Of lines and triangles, shape (P, 5).
+        limit: What is this far away need not be told [m], shape (P,).
+        out: The bounds [m], infinite where they are no less than the limit, shape (P,).
+    """
+    pair = np.empty((PAIR_ROWS, 3))
+    for k in range(len(out)):
+        out[k] = np.inf
+        if _apart(x, x, nodes, k) < limit[k] * limit[k]:
+            lay_pair(x, nodes, k, pair)
+            square = _beyond(pair)
+            if square < limit[k] * limit[k]:
+                out[k] = np.sqrt(square)
 
 
 @loop
@@ -207,7 +228,7 @@ def face_distances(x: FloatArray, nodes: IntArray, limit: FloatArray, out: Float
         out[k] = np.inf
         if _apart(x, x, nodes, k) < limit[k] * limit[k]:
             lay_pair(x, nodes, k, pair)
-            if not _beyond(pair, limit[k]):
+            if _beyond(pair) < limit[k] * limit[k]:
                 distance = cut_distance(pair, cuts, pieces)
                 if distance < limit[k]:
                     out[k] = distance

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -85,20 +86,36 @@ class SurfaceLoops:
 
 
 @dataclass(frozen=True, slots=True)
-class Measured:
-    """Lines and triangles whose distance is known; implements :class:`.loops.Near`.
+class Looked:
+    """Lines and triangles that may be near; implements :class:`.loops.Near`.
 
     Attributes:
         x: The nodes [m], shape (N, 3).
+        nodes: Of all pairs, shape (P, 5).
         kept: Which of the pairs these are, shape (K,).
-        distance: Of these [m], shape (K,).
-        loops: Find their points of contact.
+        bound: What their distances are no less than [m], shape (K,).
+        loops: Find the parts that touch.
+        measure: Distances of lines from triangles.
     """
 
     x: FloatArray
+    nodes: IntArray
     kept: IntArray
-    distance: FloatArray
+    bound: FloatArray
     loops: SurfaceLoops
+    measure: Callable[[FloatArray, IntArray], FloatArray]
+    # of those that were asked for; not a number of all others
+    _known: FloatArray = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "_known", np.full(len(self.kept), np.nan))
+
+    def distances(self, which: IntArray) -> FloatArray:
+        """Distances of some of them [m], shape (W,)."""
+        new = which[np.isnan(self._known[which])]
+        if len(new):
+            self._known[new] = self.measure(self.x, self.nodes[self.kept[new]])
+        return self._known[which]
 
     def strips(self, faced: Faced) -> tuple[Strips, Strips, Strips]:
         """Points of contact with triangles, and with the sides and corners that these share."""
