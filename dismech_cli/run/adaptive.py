@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import ClassVar, Final
 
 from ..model.saved import Arrays, Numbers
 from ..solve.step_result import StepResult
 from .accuracy import Accuracy
+from .barred import Barred
 from .growing import MOST, STANDS, grown, shrunk
 from .stops import Stops
 
@@ -46,6 +47,7 @@ class Adaptive:
         cut: Whether the step has been shortened: then the next one does not grow.
         motion: Largest motion so far [m].
         forced: Steps that were less accurate than asked for, and could not be cut.
+        barred: Lengths that failed lately.
     """
 
     tolerance: Tolerance
@@ -57,6 +59,7 @@ class Adaptive:
     cut: bool = False
     motion: float = 0.0
     forced: int = 0
+    barred: Barred = field(default_factory=Barred)
     calmer: ClassVar[str] = "reduce numerics.step.rtol"
     finer: ClassVar[str] = "make numerics.step.dt_min shorter"
 
@@ -86,12 +89,7 @@ class Adaptive:
     @property
     def doubt(self) -> str:
         """That steps were less accurate than they should be."""
-        if not self.forced:
-            return ""
-        return (
-            f"{self.forced} steps as short as numerics.step.dt_min = {self.tolerance.shortest:.3g} s were "
-            "less accurate than numerics.step.rtol asks for: make dt_min shorter, or see what moves so fast"
-        )
+        return _inaccurate(self.forced, self.tolerance.shortest) if self.forced else ""
 
     @property
     def exhausted(self) -> bool:
@@ -125,7 +123,7 @@ class Adaptive:
 
     def failed(self) -> Adaptive:
         """The control with the next step halved."""
-        return self._cut(0.5)
+        return replace(self._cut(0.5), barred=self.barred.failed(self.target - self.at))
 
     def ahead(self, most: int) -> tuple[float, ...]:
         """None: each step goes as far as the last one allows."""
@@ -147,10 +145,12 @@ class Adaptive:
         last = error
         if t >= self.stops.pace.next_event(self.at):
             step, last = min(step, self.tolerance.first), 1.0
+        barred = self.barred.taken()
         return replace(
             self,
             at=t,
-            step=min(max(step, self.tolerance.shortest), self.tolerance.longest),
+            step=min(max(barred.allowed(step), self.tolerance.shortest), self.tolerance.longest),
+            barred=barred,
             last=last,
             cut=False,
             motion=motion,
@@ -175,6 +175,7 @@ class Adaptive:
             "motion": self.motion,
             "forced": self.forced,
             "done": int(self.done),
+            **self.barred.numbers(),
         }
 
     def restore(self, arrays: Arrays, numbers: Numbers) -> Adaptive:
@@ -187,7 +188,15 @@ class Adaptive:
             cut=bool(numbers["cut"]),
             motion=float(numbers["motion"]),
             forced=int(numbers["forced"]),
+            barred=self.barred.restore(numbers),
         )
+
+
+def _inaccurate(forced: int, shortest: float) -> str:
+    return (
+        f"{forced} steps as short as numerics.step.dt_min = {shortest:.3g} s were less accurate than "
+        "numerics.step.rtol asks for: make dt_min shorter, or see what moves so fast"
+    )
 
 
 LENGTHS: Final = (1e-3, 1e-7, 0.1)

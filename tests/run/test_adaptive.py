@@ -20,6 +20,7 @@ from dismech_cli.laws.laws import Constant, Expression, Law, Ramp, Sine, Table
 from dismech_cli.model.saved import Arrays, Numbers
 from dismech_cli.output.frame import Frame
 from dismech_cli.run.adaptive import Adaptive
+from dismech_cli.run.barred import Barred
 from dismech_cli.run.looks import within
 from dismech_cli.run.loop import End, Limits, run
 from dismech_cli.run.pace import find_pace
@@ -253,6 +254,22 @@ def test_newton_is_as_exact_as_steps_are(rtol: float | None, tolerance: float) -
     assert build_newton(fixed, driven=False, touching=False).tolerance == 1e-5
 
 
+def test_a_length_that_failed_is_waited_for_ever_longer() -> None:
+    """What fails time and again costs a step in 4, 8, 16 ...; elsewhere it is forgotten."""
+    bar = Barred().failed(1.0)
+    waits = []
+    for _ in range(3):
+        waits.append(bar.left)
+        for _ in range(bar.left):
+            assert bar.allowed(2.0) == 0.8 * bar.length
+            assert bar.allowed(0.5) == 0.5
+            bar = bar.taken()
+        assert bar.allowed(2.0) == 2.0
+        bar = bar.failed(1.1 * bar.length)
+    assert waits == [4, 8, 16]
+    assert bar.failed(0.1).left == 4
+
+
 def test_steps_that_may_not_be_cut_are_told() -> None:
     deck = _with(_falling_arm("tr_bdf2"), step={"rtol": 1e-7, "dt_min": 0.01})
     outcome = run(compose(load_mapping(deck)).simulation, Kept())
@@ -301,7 +318,8 @@ def test_a_resumed_run_is_the_same_bit_by_bit(integrator: str) -> None:
 def test_a_control_comes_back_from_its_numbers() -> None:
     fresh = compose(load_mapping(_falling_arm("tr_bdf2"))).simulation.control
     assert isinstance(fresh, Adaptive)
-    stood = replace(fresh, at=0.25, step=0.0125, last=0.7, cut=True, motion=0.3, forced=2).failed()
+    moved = replace(fresh, at=0.25, step=0.0125, last=0.7, cut=True, motion=0.3, forced=2)
+    stood = moved.failed().failed()
     restored = fresh.restore(stood.arrays(), stood.numbers())
     assert restored.numbers() == stood.numbers()
     assert restored.target == stood.target
