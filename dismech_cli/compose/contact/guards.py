@@ -7,7 +7,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
-from ...contact.guards.guarded import Pairing, RodEdges, SheetEdges, SheetNodes, eased
+from ...contact.guards.eased import eased
+from ...contact.guards.guarded import Pairing, RodEdges
+from ...contact.guards.guarded_sheets import SheetEdges, SheetNodes
 from ...contact.guards.guarding import Guarding
 from ...contact.nearby.faces import Faces
 from ...contact.nearby.neighbours import Neighbours
