@@ -57,7 +57,9 @@ def find_pairs(
                 other = _first_free(order, dofs, s, j, d)
                 block = 0
                 if one >= 0 and other >= 0:
-                    first = slot_of(indptr, indices, min(one, other), max(one, other), -1)
+                    # where one triangle is stored, the diagonal is the first of its row
+                    guess = indptr[one] if i == j else -1
+                    first = slot_of(indptr, indices, min(one, other), max(one, other), guess)
                     block = numbers[first]
                     if block == 0:
                         found += 1

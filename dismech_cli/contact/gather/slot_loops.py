@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any, Final
 
+import numpy as np
+
 from ...arrays import BoolArray, IntArray
 from ...geometry.kernel import kernel, loop
 
@@ -99,10 +101,12 @@ def find_blocks(
         Number of such items.
     """
     n, count = dofs.shape[1] // d, 0
+    places = np.empty(n, dtype=np.int64)
     for s in range(len(dofs)):
         strange = False
         for i in range(n):
             first = order[dofs[s, i * d]]
+            places[i] = first
             for a in range(1, d):
                 strange = strange or order[dofs[s, i * d + a]] != (first if first < 0 else first + a)
             for j in range(i):
@@ -112,21 +116,22 @@ def find_blocks(
             odd[s] = count
             count += 1
             continue
-        m = 0
+        m, k = 0, 0
         for i in range(n):
             for j in range(i, n):
-                one, other = order[dofs[s, i * d]], order[dofs[s, j * d]]
-                low, high = min(one, other), max(one, other)
-                flipped[s, m] = one > other
-                guess = -1
-                for a in range(d):
+                low, high = min(places[i], places[j]), max(places[i], places[j])
+                flipped[s, m] = places[i] > places[j]
+                # the diagonal is the first of its row where one triangle is stored
+                off = 0 if i == j else 1
+                guess = indptr[low] if i == j and low >= 0 else -1
+                for row in range(low, low + d):
                     if low < 0:
-                        slots[s, m * d + a] = SKIPPED
+                        slots[s, k] = SKIPPED
                     else:
-                        row = low + a
-                        slot = slot_of(indptr, indices, row, row if i == j else high, guess)
-                        slots[s, m * d + a] = slot
-                        guess = slot - indptr[row] - (0 if i == j else 1) + indptr[row + 1]
+                        slot = slot_of(indptr, indices, row, max(row, high), guess)
+                        slots[s, k] = slot
+                        guess = slot - indptr[row] - off + indptr[row + 1]
+                    k += 1
                 m += 1
     return count
 
