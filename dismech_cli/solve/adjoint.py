@@ -17,7 +17,7 @@ from ..kinematics.motion import Since
 from ..kinematics.turning import Holonomy
 from ..model.state import State
 from .accelerations import EULER
-from .maps import Maps
+from .maps import Maps, maps_of
 from .sensitivity import Differentiated, Held
 from .slopes import Slopes
 from .tape import SolvedStage, TapedStep
@@ -79,7 +79,7 @@ def _before(model: Differentiated, step: TapedStep, owed: Owed, gradient: FloatA
     n = len(owed.q)
     to_start = Owed(np.zeros(n), np.zeros(n), np.zeros(n), tuple(map(np.zeros_like, owed.turns)))
     for index, solved in reversed(tuple(enumerate(step.stages(model.integrator)))):
-        maps = model.maps(model.integrator, step.start, index, step.dt)
+        maps = maps_of(model.integrator, step.dt)[index]
         owed = _through(model, maps, step, solved, owed, to_start, gradient)
     to_start.add(owed)
     if model.jumps(step.start):
@@ -105,7 +105,7 @@ def _through(
     ends = model.at_end(solved, holonomies)
     given = model.by_parameters(c, slopes, solved.stage.acceleration(solved.q))
     if held.balance.sweep is not None and not slopes.rank_ones:
-        sides = model.sides(held, solved, slopes, maps, holonomies, ends)
+        sides = model.sides(held, slopes, maps, holonomies, ends)
         found = held.balance.sweep.back(sides, owed.columns, owed.turns, to_start.columns, given, gradient)
         if found is not None:
             (q, v, a), turns, by_held = found
@@ -201,7 +201,7 @@ def _rubbed(model: Differentiated, step: TapedStep, owed: Owed, gradient: FloatA
     end.v[free] = owed.a[free] / step.dt
     owed.v[free] -= end.v[free]
     owed.a[:] = 0.0
-    maps = model.maps(EULER, step.start, 0, step.dt)
+    (maps,) = maps_of(EULER, step.dt)
     owed.add(_through(model, maps, step, model.rubbed(step), end, owed, gradient))
 
 

@@ -33,7 +33,7 @@ from .accelerations import EULER
 from .anew import met
 from .commanded import Acting, Commanded, nothing_acts
 from .integrators import Integrator
-from .maps import Maps
+from .maps import Maps, maps_of
 from .neighbours import Here, Neighbours, ParameterSlope, Variation
 from .slopes import Balance, Slope, Slopes
 from .stage import at_state
@@ -109,7 +109,6 @@ class Differentiated:
         self._moves = bool(model.mass.any())
         self._held: dict[float, Held] = {}
         self._span = (0.0, 0.0)
-        self._maps: dict[tuple[str, int, float], Maps] = {}
 
     @property
     def retraceable(self) -> bool:
@@ -134,13 +133,6 @@ class Differentiated:
         """Whether the acceleration that a step starts with was made from the balance of forces."""
         begins = state.t in (0.0, self.held(state.t).since)
         return begins and self.integrator.needs_acceleration
-
-    def maps(self, integrator: Integrator, start: State, index: int, dt: float) -> Maps:
-        """Those of a stage of a step of ``dt`` [s]; the state may be any."""
-        key = (integrator.name, index, dt)
-        if key not in self._maps:
-            self._maps[key] = Maps.of(integrator, start, index, dt)
-        return self._maps[key]
 
     @property
     def rubs(self) -> bool:
@@ -185,15 +177,13 @@ class Differentiated:
     def sides(
         self,
         held: Held,
-        solved: SolvedStage,
         slopes: Slopes,
         maps: Maps,
         to_trial: tuple[Holonomy, ...],
         to_end: tuple[Holonomy, ...],
     ) -> Sides:
         """What a stage balances, for sweeps."""
-        span = solved.stage.t_end - solved.since
-        return Sides(maps, span, slopes.matrix, held.dofs, held.led, to_trial, to_end)
+        return Sides(maps, slopes.matrix, held.dofs, held.led, to_trial, to_end)
 
     def by_parameters(self, c: Configuration, slopes: Slopes, a: FloatArray) -> FloatArray:
         """D(M a + r)/dp at a fixed state, shape (n, P)."""
@@ -301,13 +291,13 @@ def _through(
     """Derivative after a stage, and that of the acceleration that it balances, shape (n, P)."""
     stage, held = solved.stage, model.held(step.start.t)
     c, slopes, holonomies = model.slopes(solved)
-    ends, maps = model.at_end(solved, holonomies), model.maps(integrator, step.start, index, step.dt)
+    ends, maps = model.at_end(solved, holonomies), maps_of(integrator, step.dt)[index]
     b = model.by_parameters(c, slopes, stage.acceleration(solved.q))
     if latest.inputs.any():
         b += model.by_inputs(c, latest.inputs)
     held_q = _where_held(model, held, solved, latest)
     if held.balance.sweep is not None and not slopes.rank_ones and not wanted.size:
-        sides = model.sides(held, solved, slopes, maps, holonomies, ends)
+        sides = model.sides(held, slopes, maps, holonomies, ends)
         states = ((start.q, start.v, start.a), (latest.q, latest.v, latest.a))
         found = held.balance.sweep.forward(sides, states, b, held_q, latest.turns)
         if found is not None:

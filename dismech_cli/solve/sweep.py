@@ -57,7 +57,6 @@ class Sides:
 
     Attributes:
         maps: Maps of the stage.
-        span: Duration of its difference quotients [s].
         matrix: Slopes of the balance.
         held: Held DOFs, shape (K,).
         led: Those whose rates are difference quotients.
@@ -66,18 +65,11 @@ class Sides:
     """
 
     maps: Maps
-    span: float
     matrix: Matrix
     held: IntArray
     led: IntArray
     to_trial: tuple[Holonomy, ...]
     to_end: tuple[Holonomy, ...]
-
-    @property
-    def weights(self) -> tuple[float, ...]:
-        """Of the balance, and of what follows it."""
-        w = self.maps.weights
-        return (w.q, w.v, w.a, self.maps.v_end, self.maps.a_end, self.span)
 
 
 class Sweep:
@@ -134,7 +126,7 @@ class Sweep:
         before = turns[0] if turns else np.empty((0, sides))
         after = np.empty_like(before)
         if not self._forward(
-            s.weights,
+            s.maps.numbers,
             s.maps.slopes,
             *(tuple(map(np.ascontiguousarray, state)) for state in states),
             given.copy(),
@@ -177,7 +169,7 @@ class Sweep:
         after = turns[0] if turns else _NOTHING
         before, by_held = np.empty_like(after), np.empty(len(s.held))
         if not self._back(
-            s.weights,
+            s.maps.numbers,
             s.maps.slopes,
             owed,
             after,

@@ -10,6 +10,7 @@ from ..arrays import FloatArray
 from ..kinematics.rod_frames import FrameState
 from ..model.state import State
 from .integrators import Integrator
+from .maps import maps_of
 from .problem import NewtonSettings
 from .relax import relaxed
 from .stage import Stage
@@ -61,14 +62,8 @@ class TapedStep:
         """What was solved, in order."""
         trail = self.result.trail
         return tuple(
-            SolvedStage(
-                integrator.stage(index, self.start, before, self.dt),
-                after.q,
-                before.frames,
-                before.q,
-                before.t,
-            )
-            for index, (before, after) in enumerate(pairwise(trail))
+            SolvedStage(maps.stage(self.start, before, after), after.q, before.frames, before.q, before.t)
+            for maps, (before, after) in zip(maps_of(integrator, self.dt), pairwise(trail), strict=True)
         )
 
 
