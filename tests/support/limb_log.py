@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import sys
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -111,3 +113,27 @@ def posed(model: FloatArray, picture: FloatArray) -> tuple[complex, complex]:
     columns = np.stack((picture.ravel(), np.ones(picture.size)), axis=1)
     factor, offset = np.linalg.lstsq(columns, model.ravel(), rcond=None)[0]
     return complex(factor), complex(offset)
+
+
+def main() -> None:
+    """Write the scenes of the docs into the folder named on the command line.
+
+    ``published.yaml`` fits the camera alone to even frames, ``all.yaml`` two curvatures of each frame to all
+    tags, ``no_tip.yaml`` the same without the tag at the tip.
+    """
+    folder = Path(sys.argv[1])
+    folder.mkdir(parents=True, exist_ok=True)
+    bends = [{"of": f"actuation[{limb}].value.table[*][1]"} for limb in (0, 1)]
+    scenes: dict[str, tuple[int, list[dict[str, str]], dict[str, int]]] = {
+        "published": (9, [], {"hold_out": 2}),
+        "all": (9, bends, {}),
+        "no_tip": (8, bends, {}),
+    }
+    for name, (count, fit, keys) in scenes.items():
+        data = table(folder / f"{name}.csv", LOG.tags, count=count, **keys)
+        deck = replay() | {"name": name, "calibrate": {"fit": fit, "data": [data]}}
+        (folder / f"{name}.yaml").write_text(json.dumps(deck), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
