@@ -24,12 +24,12 @@ class EnclosedVolume:
         triangles: Corners, shape (T + K, 3): the shell's T, then one for each of K rim edges.
             Corners from N on are centroids of rims.
         corners: Corners from nodes, shape (N + rims, N): identity, then averages over rims.
-        shares: Sums over corners of what triangles give to them, shape (N + rims, 3 (T + K)).
+        sums: Over nodes of what triangles give to their corners, shape (N, 3 (T + K)).
     """
 
     triangles: IntArray
     corners: csr_matrix
-    shares: csr_matrix
+    sums: csr_matrix
 
     @classmethod
     def of(cls, n_nodes: int, triangles: IntArray) -> EnclosedVolume:
@@ -52,7 +52,8 @@ class EnclosedVolume:
         weights = np.concatenate((np.ones(n_nodes), 1.0 / sizes[label[nodes]]))
         shape = (n_nodes + len(rims), n_nodes)
         every = np.concatenate((triangles, fans))
-        return cls(every, csr_matrix((weights, (rows, columns)), shape=shape), _incidence(every, shape[0]))
+        corners = csr_matrix((weights, (rows, columns)), shape=shape)
+        return cls(every, corners, (corners.T @ _incidence(every, shape[0])).tocsr())
 
     def value(self, positions: FloatArray) -> float:
         """Volume [m^3], positive where normals point outward.
@@ -60,28 +61,36 @@ class EnclosedVolume:
         Args:
             positions: Nodes [m], shape (N, 3).
         """
-        x0, x1, x2 = self._at(positions).transpose(1, 2, 0)
+        x0, x1, x2 = self.at(positions).transpose(1, 2, 0)
         return float(np.einsum("ti,ti->", x0, np.cross(x1, x2))) / 6.0
+
+    def at(self, positions: FloatArray) -> FloatArray:
+        """Components of the corners, one corner of all triangles after the other, shape (3, 3, T + K)."""
+        # far from the origin products of coordinates would cancel
+        x = self.corners @ (positions - positions.sum(axis=0) / len(positions))
+        return np.ascontiguousarray(x.T)[:, self.triangles.T]
 
     def gradient(self, positions: FloatArray) -> FloatArray:
         """Derivative of the volume to each node [m^2], shape (N, 3)."""
-        x = self._at(positions)
+        return self.gradient_of(self.at(positions))
+
+    def gradient_of(self, x: FloatArray) -> FloatArray:
+        """The same, of what :meth:`at` gave."""
         return self._to_nodes(_crossed(x, x) / 6.0)
 
-    def gradient_change(self, positions: FloatArray, change: FloatArray) -> FloatArray:
-        """Derivative of the gradient along a change of the positions [m], shape (N, 3)."""
-        x, d = self._at(positions), self._at(change)
+    def gradient_change(self, x: FloatArray, change: FloatArray) -> FloatArray:
+        """Derivative of the gradient along a change of the positions [m], shape (N, 3).
+
+        Args:
+            x: What :meth:`at` gave.
+            change: Of the positions [m], shape (N, 3).
+        """
+        d = self.at(change)
         return self._to_nodes((_crossed(x, d) + _crossed(d, x)) / 6.0)
 
     def _to_nodes(self, shares: FloatArray) -> FloatArray:
         """Sums of shares (3, 3 (T + K)) of the corners, shape (N, 3)."""
-        return np.asarray(self.corners.T @ (self.shares @ shares.T))
-
-    def _at(self, positions: FloatArray) -> FloatArray:
-        """Components of the corners, one corner of all triangles after the other, shape (3, 3, T + K)."""
-        # far from the origin products of coordinates would cancel
-        x = self.corners @ (positions - positions.mean(axis=0))
-        return np.ascontiguousarray(x.T)[:, self.triangles.T]
+        return np.asarray(self.sums @ shares.T)
 
 
 def _incidence(triangles: IntArray, corners: int) -> csr_matrix:

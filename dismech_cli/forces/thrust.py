@@ -59,13 +59,14 @@ class Thrust:
     def add_linearization(self, c: Configuration, into: Linearization) -> None:
         """Subtract the thrust and add its tangent."""
         x, v = self._moving(c)
-        gradient = self.volume.gradient(x)
+        corners = self.volume.at(x)
+        gradient = self.volume.gradient_of(corners)
         rate = self._rate(gradient, v)
         self._add(rate, into.residual)
         if rate < 0.0:
             column, by_q, by_v = (np.zeros_like(c.q) for _ in range(3))
             column[: self.n_positions] = self.push.reshape(-1)
-            by_q[: self.n_positions] = self.sense * self.volume.gradient_change(x, v).reshape(-1)
+            by_q[: self.n_positions] = self.sense * self.volume.gradient_change(corners, v).reshape(-1)
             by_v[: self.n_positions] = self.sense * gradient.reshape(-1)
             into.rank_ones.append(RankOne(column, by_q, by_v))
 

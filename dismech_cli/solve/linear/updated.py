@@ -44,10 +44,12 @@ class UpdatedFactors:
 
 
 def _woodbury(solve: Linear, columns: FloatArray, rows: FloatArray, rhs: FloatArray) -> FloatArray:
-    x = solve(rhs)
-    z = np.stack([solve(column) for column in columns.T], axis=1)
+    k = columns.shape[1]
+    # one call for all: of small matrices it is the call that costs
+    both = solve(np.column_stack((rhs, columns)))
+    x, z = both[:, :-k].reshape(rhs.shape), both[:, -k:]
     try:
-        weights = np.linalg.solve(np.eye(columns.shape[1]) + rows.T @ z, rows.T @ x)
+        weights = np.linalg.solve(np.eye(k) + rows.T @ z, rows.T @ x)
     except np.linalg.LinAlgError as error:
         raise FactorizationError(str(error)) from error
     return np.asarray(x - z @ weights)
