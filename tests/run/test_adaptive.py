@@ -351,7 +351,8 @@ def test_a_run_goes_on_with_the_other_kind_of_steps(adaptive: bool) -> None:
     first, then = decks if not adaptive else decks[::-1]
     last = _run(first, limits=Limits(until=0.4)).last
     assert last is not None
-    changed = compose(load_mapping(then)).simulation
+    # a frame each step, so that the sink is told of each
+    changed = replace(compose(load_mapping(then)).simulation, frame_every=0.0)
     kept = Kept()
     outcome = run(changed, kept, resume_from=moved(changed, Checkpoint(*last)))
     assert outcome.end is End.DONE
