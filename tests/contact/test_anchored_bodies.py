@@ -115,6 +115,9 @@ def test_rails_that_move_take_the_rod_along() -> None:
 def test_a_resumed_run_is_the_straight_run(tmp_path: Path, on: str) -> None:
     deck = pulled(1.2, on)
     deck["numerics"]["t_end"] = 0.6
+    # a name that anchors between bodies might have taken in the state
+    deck["obstacles"] = [{"name": "rods", "type": "plane", "point": [0, 0, -1], "normal": [0, 0, 1]}]
+    deck["contact"]["pairs"].append({"between": ["load", "rods"]})
     file = tmp_path / "deck.yaml"
     file.write_text(json.dumps(deck))
     straight = simulate(file, out=tmp_path / "straight")

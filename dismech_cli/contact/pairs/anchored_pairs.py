@@ -54,7 +54,7 @@ class AnchoredPairs:
             length: Way on which friction becomes full [m].
         """
         self._pairs, self._length = pairs, length
-        self._name, self._from = f"contact.anchors.{name}", f"contact.anchored.{name}"
+        self._name, self._from = f"contact.anchored.{name}", f"contact.anchored_from.{name}"
         self._anchors = Anchors.none()
         self._start: FloatArray | None = None
 
