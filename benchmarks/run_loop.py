@@ -94,7 +94,8 @@ def report(quick: bool) -> str:
             "takes more than the same steps alone, with frames at start and end only; then with one every "
             f"{STEPS_PER_FRAME} steps, energies measured, none written. Work is booked in every step: where "
             "ends are moved, curvature is driven or the surroundings resist, that evaluates energies and "
-            "forces again:",
+            "forces again. A run takes the compiled steps between two frames in one, the others one by one, "
+            "and may take less than they:",
             table(("scene", "kernels", "overhead [%]", "with frames [%]"), rows),
         )
     )
