@@ -141,6 +141,15 @@ def is_unbent_when_flat(made: Composition) -> None:
     assert_array_equal(bending.natural, 0.0)
 
 
+def is_closed(made: Composition) -> None:
+    """20 n^2 triangles, of which every edge has two: Euler's count of a sphere."""
+    geometry = made.geometry
+    assert len(geometry.triangles) == 80
+    sides = np.sort(geometry.triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    assert (np.unique(sides, axis=0, return_counts=True)[1] == 2).all()
+    assert len(geometry.nodes) - len(sides) // 2 + len(geometry.triangles) == 2
+
+
 def is_irregular(made: Composition) -> None:
     assert any("unstructured triangles" in note for note in made.geometry.notes)
 
@@ -274,6 +283,11 @@ BODIES = {
         shell_deck(SHEET | {"pattern": "unstructured"}),
         is_irregular,
         choices=frozenset({("pattern", "unstructured")}),
+    ),
+    "icosphere": Rare(
+        shell_deck({"shape": "icosphere", "center": [0.0, 0.0, 0.0], "radius": 0.1, "divisions": 2}),
+        is_closed,
+        classes=frozenset({"IcosphereSurface"}),
     ),
     "welded seam": Rare(
         sewn("weld"), turns_as_one, classes=frozenset({"Seam"}), choices=frozenset({("bending", "weld")})
