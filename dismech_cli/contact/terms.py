@@ -130,9 +130,13 @@ class _Friction:
         normal = touching.points.normal
         before, after = slip(touching.velocity, normal), slip(velocity, normal)
         creep = _CREEP / self._sharpness
-        both = np.minimum((before * before).sum(axis=0), (after * after).sum(axis=0))
-        turned = ((before * after).sum(axis=0) < 0.0) & (both > creep * creep)
+        turned = ((before * after).sum(axis=0) < 0.0) & (self._size(before, after) > creep * creep)
         return bool((turned & (touching.points.load > 0.0) & (touching.friction > 0.0)).any())
+
+    def _size(self, before: FloatArray, after: FloatArray) -> FloatArray:
+        """Of the smaller of two slips (3, K), squared, shape (K,)."""
+        out: FloatArray = np.minimum((before * before).sum(axis=0), (after * after).sum(axis=0))
+        return out
 
     def _tangents(self, touching: Touching) -> tuple[FloatArray, FloatArray]:
         return touching.rubbing.friction_tangents(touching.friction, self._sharpness, touching.velocity)
@@ -238,9 +242,10 @@ class MeasuredFriction(FullFriction):
 class AnchoredFriction(FullFriction):
     """Friction that grows with the way from an anchor, up to a length; see :mod:`.anchored_wall`."""
 
-    def reverses(self, touching: Touching, velocity: FloatArray) -> bool:
-        """Never: it does not follow velocities."""
-        return False
+    def _size(self, way: FloatArray, velocity: FloatArray) -> FloatArray:
+        """Of the way, squared: what goes back from far behind its anchor turns round."""
+        out: FloatArray = (way * way).sum(axis=0)
+        return out
 
     def add_linearization(self, c: Configuration, into: Linearization) -> None:
         """Subtract the force and add its tangents: a way changes as much as a place does."""

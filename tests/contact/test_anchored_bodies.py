@@ -128,6 +128,16 @@ def test_a_resumed_run_is_the_straight_run(tmp_path: Path, on: str) -> None:
         assert_array_equal(run.state("v")[-1], straight.state.v)
 
 
+def test_what_turns_round_cuts_no_step() -> None:
+    """A rod that falls on a sheet and slides to and fro: full steps of Newton's method would swing."""
+    scene = Path(__file__).parents[2] / "scenarios" / "rod_on_sheet.yaml"
+    report = simulate(scene, overrides=["contact.friction.stick=anchored"])
+    counters = report.outcome.counters
+    assert report.exit == 0
+    assert counters["cuts"] == 0
+    assert counters["iterations"] <= 3 * counters["steps"]
+
+
 def test_a_barrier_is_refused() -> None:
     deck = pulled(0.5)
     deck["contact"]["law"] = {"type": "barrier"}
