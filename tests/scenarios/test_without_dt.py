@@ -23,8 +23,6 @@ OWN_STEP = {
     "s_shape_ideal": {"shape", "soon"},
     # the midpoint rule keeps energy, with steps that are equal
     "thrown_sheet": {"kept"},
-    # how stiff contact becomes, on which the windings' pull hangs, depends on steps: 0.6 N with those of 1 ms
-    "curl_grip": {"held", "pull", "passed_on"},
     # implicit Euler at 2 ms takes a bounce out of an impact that shorter steps see go on
     "rod_on_sheet": {"carried", "pressed", "at_rest"},
     # what is not symmetric grows in every beat
