@@ -62,7 +62,10 @@ def pulled(share: float, on: str = "sheet", **changes: Any) -> dict[str, Any]:
     } | changes
 
 
-@pytest.mark.parametrize(("on", "share"), [("sheet", 0.5), ("sheet", 0.99), ("rails", 0.9)])
+@pytest.mark.parametrize(
+    ("on", "share"),
+    [pytest.param("sheet", 0.5, marks=pytest.mark.slow), ("sheet", 0.99), ("rails", 0.9)],
+)
 def test_nothing_creeps_below_the_threshold(on: str, share: float) -> None:
     """On a sheet it goes by atanh(share) / 7.5 of the length; on rails it bends a little, and stands too."""
     report = simulate(load_mapping(pulled(share, on)))
@@ -111,7 +114,7 @@ def test_rails_that_move_take_the_rod_along() -> None:
     assert_allclose(report.scalars["way"][-1], 0.04, atol=3.0 * LENGTH)
 
 
-@pytest.mark.parametrize("on", ["sheet", "rails"])
+@pytest.mark.parametrize("on", [pytest.param("sheet", marks=pytest.mark.slow), "rails"])
 def test_a_resumed_run_is_the_straight_run(tmp_path: Path, on: str) -> None:
     deck = pulled(1.2, on)
     deck["numerics"]["t_end"] = 0.6

@@ -64,7 +64,7 @@ def test_a_rod_on_a_floor(nodes: int) -> None:
     assert_allclose(2.0 * 1e4 * depth, MASS * 9.8, rtol=1e-6)
 
 
-@pytest.mark.parametrize("stop", [1.0, 0.5])
+@pytest.mark.parametrize("stop", [pytest.param(1.0, marks=pytest.mark.slow), 0.5])
 def test_a_barrier_under_load_keeps_its_distance_in_every_frame(stop: float) -> None:
     """A rod that is thrown at another and pressed on it with ten times its weight."""
     deck = crossing(1e-3, 0.5)

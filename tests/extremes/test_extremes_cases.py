@@ -110,7 +110,8 @@ def test_folding_by_force_is_solved(tmp_path: Path) -> None:
     assert_allclose(shapes[1], shapes[0], rtol=0, atol=1e-8)
 
 
-@pytest.mark.parametrize("load_steps", [100, pytest.param(1000, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("load_steps", [100, 1000])
 def test_a_hundred_turns_of_twist(tmp_path: Path, load_steps: int) -> None:
     """Held straight by tension, the rod takes them evenly: torque GJ phi/L, nothing wraps."""
     turns = 100.0

@@ -50,7 +50,7 @@ def _wanted(name: str) -> set[str]:
     return found
 
 
-@pytest.mark.parametrize("name", ["snake", "crossed_rods"])
+@pytest.mark.parametrize("name", [pytest.param("snake", marks=pytest.mark.slow), "crossed_rods"])
 def test_what_is_wanted_is_what_a_run_compiles(name: str, new_cache: Path) -> None:
     before = _wanted(name)
     wanted = {one for one in before if not one.startswith("missing")}
