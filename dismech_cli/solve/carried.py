@@ -23,7 +23,7 @@ from ..kernels.driver import Driver
 from ..kinematics.turning import Holonomy, TurningEdges, crossed
 from ..model.configuration import Configuration
 from .pattern import SparsityPattern
-from .sweep_loops import mend
+from .turn_loops import mend
 
 _SIGN = np.array([1.0, -1.0])
 

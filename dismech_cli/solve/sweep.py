@@ -15,7 +15,7 @@ import numpy as np
 from ..arrays import FloatArray, IntArray
 from ..kernels.driver import Driver
 from ..kinematics.turning import Holonomy, TurningEdges
-from . import sweep_loops
+from . import sweep_loops, turn_loops
 from .linear.sided_loops import ABREAST
 from .maps import Maps
 from .pattern import SparsityPattern
@@ -35,9 +35,9 @@ _NOTHING: Final = np.empty(0)
 LOOPS: Final[tuple[Callable[..., Any], ...]] = (
     sweep_loops.go_forward,
     sweep_loops.go_back,
-    sweep_loops.turn_slopes,
+    turn_loops.turn_slopes,
     sweep_loops.weigh,
-    sweep_loops.mend,
+    turn_loops.mend,
 )
 """What is compiled for sweeps, whatever the scene."""
 
@@ -232,7 +232,7 @@ Turned: TypeAlias = Callable[[TurningEdges, FloatArray, FloatArray], Holonomy]
 
 def turned_by(driver: Driver) -> Turned:
     """By loops, or in operations on arrays."""
-    loop = driver.compiled(sweep_loops.turn_slopes)
+    loop = driver.compiled(turn_loops.turn_slopes)
     if loop is None:
         return TurningEdges.holonomy
 

@@ -20,10 +20,10 @@ import numpy as np
 from ..arrays import FloatArray, IntArray
 from ..geometry.kernel import kernel, loop
 from .linear.factors import RESIDUAL_GOAL
-from .linear.sided_loops import general_factors, solve_sides, symmetric_factors
+from .sweep_matrix import add_product, add_transposed, solved, sound, total
 
 # Loops want plain numbers.
-_GOAL, _GOLDEN = RESIDUAL_GOAL, 0.6180339887498949
+_GOAL = RESIDUAL_GOAL
 
 
 @kernel
@@ -31,32 +31,6 @@ def _owing(maps: FloatArray, j: Any, x: Any) -> Any:
     """Column j of maps (5, 6) of five numbers."""
     first = maps[0, j] * x[0] + maps[1, j] * x[1] + maps[2, j] * x[2]
     return first + maps[3, j] * x[3] + maps[4, j] * x[4]
-
-
-@loop
-def turn_slopes(
-    q0: FloatArray,
-    q1: FloatArray,
-    heads: IntArray,
-    tails: IntArray,
-    before: FloatArray,
-    after: FloatArray,
-    edge: FloatArray,
-    length: FloatArray,
-) -> None:
-    """Write how frames turn on their way from shapes (n,) to others; see :mod:`..kinematics.turning`."""
-    for e in range(len(length)):
-        x0, x1 = q0[heads[0, e]] - q0[tails[0, e]], q1[heads[0, e]] - q1[tails[0, e]]
-        y0, y1 = q0[heads[1, e]] - q0[tails[1, e]], q1[heads[1, e]] - q1[tails[1, e]]
-        z0, z1 = q0[heads[2, e]] - q0[tails[2, e]], q1[heads[2, e]] - q1[tails[2, e]]
-        l0 = np.sqrt(x0 * x0 + y0 * y0 + z0 * z0)
-        l1 = np.sqrt(x1 * x1 + y1 * y1 + z1 * z1)
-        scale = -1.0 / (l0 * l1 + x0 * x1 + y0 * y1 + z0 * z1)
-        a, b, c = scale * (y0 * z1 - z0 * y1), scale * (z0 * x1 - x0 * z1), scale * (x0 * y1 - y0 * x1)
-        before[0, e], before[1, e], before[2, e] = a / l0, b / l0, c / l0
-        after[0, e], after[1, e], after[2, e] = a / l1, b / l1, c / l1
-        edge[0, e], edge[1, e], edge[2, e] = x1, y1, z1
-        length[e] = l1
 
 
 @loop
@@ -82,129 +56,6 @@ def combine(maps: FloatArray, start: Any, latest: Any, out: FloatArray, k: int) 
     flat = out.reshape(size)
     for i in range(size):
         flat[i] = a * q1[i] + b * v1[i] + c * a1[i] + d * q2[i] + e * v2[i] + f * a2[i]
-
-
-@loop
-def add_product(
-    values: FloatArray,
-    indptr: IntArray,
-    indices: IntArray,
-    order: IntArray,
-    symmetric: bool,
-    x: FloatArray,
-    out: FloatArray,
-) -> None:
-    """Add A x, shape (n, P), to ``out``."""
-    sides = x.shape[1]
-    for i in range(len(order)):
-        row = order[i]
-        for s in range(indptr[i], indptr[i + 1]):
-            column, value = order[indices[s]], values[s]
-            for p in range(sides):
-                out[row, p] += value * x[column, p]
-            if symmetric and column != row:
-                for p in range(sides):
-                    out[column, p] += value * x[row, p]
-
-
-@loop
-def add_transposed(
-    values: FloatArray,
-    indptr: IntArray,
-    indices: IntArray,
-    order: IntArray,
-    symmetric: bool,
-    x: FloatArray,
-    out: FloatArray,
-) -> None:
-    """Add A^T x, shape (n, P), to ``out``."""
-    if symmetric:
-        add_product(values, indptr, indices, order, symmetric, x, out)
-        return
-    for i in range(len(order)):
-        for s in range(indptr[i], indptr[i + 1]):
-            for p in range(x.shape[1]):
-                out[order[indices[s]], p] += values[s] * x[order[i], p]
-
-
-@loop
-def total(
-    stiffness: FloatArray,
-    damping: FloatArray,
-    mass: FloatArray,
-    diagonal: IntArray,
-    order: IntArray,
-    wq: float,
-    wv: float,
-    wa: float,
-) -> FloatArray:
-    """Entries of J = q K + v C + a M."""
-    values = np.empty(len(stiffness))
-    for s in range(len(stiffness)):
-        values[s] = wq * stiffness[s]
-    for s in range(len(damping)):
-        values[s] += wv * damping[s]
-    for i in range(len(order)):
-        values[diagonal[i]] += wa * mass[order[i]]
-    return values
-
-
-@loop
-def solved(values: FloatArray, symmetric: bool, width: int, band: Any, b: FloatArray, x: FloatArray) -> bool:
-    """Write x of A x = b on the free DOFs, shape (n, P); False where that takes a second thought."""
-    places, room, work, free = band
-    m, sides = len(free), b.shape[1]
-    for i in range(len(room)):
-        room[i] = 0.0
-    for s in range(len(places)):
-        room[places[s]] = values[s]
-    for i in range(len(work)):
-        for p in range(work.shape[1]):
-            work[i, p] = 0.0
-    for i in range(m):
-        for p in range(sides):
-            work[i, p] = b[free[i], p]
-    if symmetric:
-        if not symmetric_factors(room, width, m):
-            return False
-        solve_sides(room, width, m, 0, width + 1, 1, True, work)
-    else:
-        if not general_factors(room, width, m):
-            return False
-        solve_sides(room, width, m, width, 2 * width + 1, 2 * width, False, work)
-    for i in range(m):
-        for p in range(sides):
-            x[free[i], p] = work[i, p]
-    return True
-
-
-@loop
-def sound(
-    values: FloatArray,
-    indptr: IntArray,
-    indices: IntArray,
-    order: IntArray,
-    symmetric: bool,
-    free: IntArray,
-    x: FloatArray,
-    b: FloatArray,
-) -> bool:
-    """Whether solutions (n, P) are good: a bad one of any column shows in a sum of all."""
-    n, sides = x.shape
-    mixed, left = np.zeros((n, 1)), np.zeros((n, 1))
-    for p in range(sides):
-        largest = 0.0
-        for i in range(len(free)):
-            largest = max(largest, abs(b[free[i], p]))
-        share = (0.5 + ((p + 1) * _GOLDEN) % 1.0) / (largest if largest > 0.0 else 1.0)
-        for i in range(len(free)):
-            mixed[free[i], 0] += share * x[free[i], p]
-            left[free[i], 0] -= share * b[free[i], p]
-    add_product(values, indptr, indices, order, symmetric, mixed, left)
-    good = True
-    for i in range(len(free)):
-        good = good and abs(left[free[i], 0]) <= _GOAL
-    return good
 
 
 @loop
@@ -412,63 +263,3 @@ def go_back(
         out[1][i, 0] = _owing(maps, 4, by)
         out[2][i, 0] = _owing(maps, 5, by)
     return True
-
-
-@loop
-def mend(
-    stiffness: FloatArray,
-    damping: FloatArray,
-    residuals: FloatArray,
-    turning: IntArray,
-    edges: Any,
-    v: FloatArray,
-    way: Any,
-    by_angle: IntArray,
-    edge_of: IntArray,
-    sums: Any,
-) -> None:
-    """Add what kernels leave out at edges whose frames are carried; see :mod:`.carried`.
-
-    Args:
-        stiffness: Entries of dr/dq, mended.
-        damping: Those of dr/dv; of length 0 for none.
-        residuals: Of each term, shape (T, n).
-        turning: Terms whose moments about edges count, shape (K,).
-        edges: See the module.
-        v: Velocities at the trial point, shape (n,).
-        way: Slopes after the way there (3, E), edge vectors (3, E) and their lengths (E,).
-        by_angle: Entries in columns of angles, shape (M,).
-        edge_of: Edge of each, shape (M,).
-        sums: Slots that get anything; where the sums of each begin, their signs and what they are of: turned
-            entries (3, M), then halves of moments along edges (3, E).
-    """
-    heads, tails, angles = edges
-    after, edge, length = way
-    slots, begin, signs, sources = sums
-    many, count = len(by_angle), len(angles)
-    parts, turns = np.empty(3 * (many + count)), np.zeros((3, count))
-    for e in range(count):
-        half, moment = 0.5 / length[e] ** 3, 0.0
-        for k in range(len(turning)):
-            moment += residuals[turning[k], angles[e]]
-        for k in range(3):
-            parts[3 * many + k * count + e] = half * moment * edge[k, e]
-        if len(damping):
-            x = v[heads[0, e]] - v[tails[0, e]]
-            y = v[heads[1, e]] - v[tails[1, e]]
-            z = v[heads[2, e]] - v[tails[2, e]]
-            turns[0, e] = half * (y * edge[2, e] - z * edge[1, e])
-            turns[1, e] = half * (z * edge[0, e] - x * edge[2, e])
-            turns[2, e] = half * (x * edge[1, e] - y * edge[0, e])
-    for s in range(many):
-        e, slot = edge_of[s], by_angle[s]
-        for k in range(3):
-            turned = stiffness[slot] * after[k, e]
-            if len(damping):
-                turned += damping[slot] * turns[k, e]
-            parts[k * many + s] = turned
-    for j in range(len(slots)):
-        more = 0.0
-        for s in range(begin[j], begin[j + 1]):
-            more += signs[s] * parts[sources[s]]
-        stiffness[slots[j]] += more

@@ -1,0 +1,99 @@
+"""How frames turn on their way, and what that adds to stiffness, in loops.
+
+Edges whose frames are carried are given as (heads, tails, angles).
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ..arrays import FloatArray, IntArray
+from ..geometry.kernel import loop
+
+
+@loop
+def turn_slopes(
+    q0: FloatArray,
+    q1: FloatArray,
+    heads: IntArray,
+    tails: IntArray,
+    before: FloatArray,
+    after: FloatArray,
+    edge: FloatArray,
+    length: FloatArray,
+) -> None:
+    """Write how frames turn on their way from shapes (n,) to others; see :mod:`..kinematics.turning`."""
+    for e in range(len(length)):
+        x0, x1 = q0[heads[0, e]] - q0[tails[0, e]], q1[heads[0, e]] - q1[tails[0, e]]
+        y0, y1 = q0[heads[1, e]] - q0[tails[1, e]], q1[heads[1, e]] - q1[tails[1, e]]
+        z0, z1 = q0[heads[2, e]] - q0[tails[2, e]], q1[heads[2, e]] - q1[tails[2, e]]
+        l0 = np.sqrt(x0 * x0 + y0 * y0 + z0 * z0)
+        l1 = np.sqrt(x1 * x1 + y1 * y1 + z1 * z1)
+        scale = -1.0 / (l0 * l1 + x0 * x1 + y0 * y1 + z0 * z1)
+        a, b, c = scale * (y0 * z1 - z0 * y1), scale * (z0 * x1 - x0 * z1), scale * (x0 * y1 - y0 * x1)
+        before[0, e], before[1, e], before[2, e] = a / l0, b / l0, c / l0
+        after[0, e], after[1, e], after[2, e] = a / l1, b / l1, c / l1
+        edge[0, e], edge[1, e], edge[2, e] = x1, y1, z1
+        length[e] = l1
+
+
+@loop
+def mend(
+    stiffness: FloatArray,
+    damping: FloatArray,
+    residuals: FloatArray,
+    turning: IntArray,
+    edges: Any,
+    v: FloatArray,
+    way: Any,
+    by_angle: IntArray,
+    edge_of: IntArray,
+    sums: Any,
+) -> None:
+    """Add what kernels leave out at edges whose frames are carried; see :mod:`.carried`.
+
+    Args:
+        stiffness: Entries of dr/dq, mended.
+        damping: Those of dr/dv; of length 0 for none.
+        residuals: Of each term, shape (T, n).
+        turning: Terms whose moments about edges count, shape (K,).
+        edges: See the module.
+        v: Velocities at the trial point, shape (n,).
+        way: Slopes after the way there (3, E), edge vectors (3, E) and their lengths (E,).
+        by_angle: Entries in columns of angles, shape (M,).
+        edge_of: Edge of each, shape (M,).
+        sums: Slots that get anything; where the sums of each begin, their signs and what they are of: turned
+            entries (3, M), then halves of moments along edges (3, E).
+    """
+    heads, tails, angles = edges
+    after, edge, length = way
+    slots, begin, signs, sources = sums
+    many, count = len(by_angle), len(angles)
+    parts, turns = np.empty(3 * (many + count)), np.zeros((3, count))
+    for e in range(count):
+        half, moment = 0.5 / length[e] ** 3, 0.0
+        for k in range(len(turning)):
+            moment += residuals[turning[k], angles[e]]
+        for k in range(3):
+            parts[3 * many + k * count + e] = half * moment * edge[k, e]
+        if len(damping):
+            x = v[heads[0, e]] - v[tails[0, e]]
+            y = v[heads[1, e]] - v[tails[1, e]]
+            z = v[heads[2, e]] - v[tails[2, e]]
+            turns[0, e] = half * (y * edge[2, e] - z * edge[1, e])
+            turns[1, e] = half * (z * edge[0, e] - x * edge[2, e])
+            turns[2, e] = half * (x * edge[1, e] - y * edge[0, e])
+    for s in range(many):
+        e, slot = edge_of[s], by_angle[s]
+        for k in range(3):
+            turned = stiffness[slot] * after[k, e]
+            if len(damping):
+                turned += damping[slot] * turns[k, e]
+            parts[k * many + s] = turned
+    for j in range(len(slots)):
+        more = 0.0
+        for s in range(begin[j], begin[j + 1]):
+            more += signs[s] * parts[sources[s]]
+        stiffness[slots[j]] += more
