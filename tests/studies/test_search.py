@@ -6,6 +6,7 @@ the mesh.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -17,6 +18,7 @@ from dismech_cli.studies.study.every import find_among_all
 from dismech_cli.studies.study.refine import Found
 from dismech_cli.studies.study.runs import Runs
 from dismech_cli.studies.study.search import find
+from dismech_cli.studies.study.space import Line, Space
 
 ALL = sorted(FOLDER.glob("*.json"))
 HELD = [file for file in ALL if file.stem in HELD_OUT]
@@ -95,3 +97,18 @@ def test_brute_force_finds_what_meets_the_target(file: Path) -> None:
     assert len(runs.points) == table.space.count
     if found.meets:
         assert table.error(found.point) <= 0.125
+
+
+@pytest.mark.parametrize("unstable", [1, 2, 3, 5])
+@pytest.mark.parametrize("refined", ["time", "mesh"])
+def test_levels_at_which_no_run_is_stable_are_left_out(refined: str, unstable: int) -> None:
+    """Where nothing else is refined too: then a line of one level has no run at all."""
+    table = _table(ALL[0])
+    lines = {"time": Line(), "mesh": Line(), refined: Line(("numerics.dt",), tuple(("",) for _ in range(5)))}
+    made = list(table.points.values())[:5]
+    spoilt = iter([replace(one, status="failed") for one in made[:unstable]] + made[unstable:])
+    runs = Runs(Space(((),), **lines), lambda *_: next(spoilt), runs_of(table).yardstick)
+    found = find_among_all(runs, 0.1)
+    assert len(runs.points) == 5
+    assert all(one.point.stable for one in found)
+    assert bool(found) == (unstable < 4)
