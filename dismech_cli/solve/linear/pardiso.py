@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any, ClassVar, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...arrays import FloatArray
 from ..pattern import SparsityPattern
@@ -120,9 +121,10 @@ class PardisoFactors:
 
     def __init__(self, kind: int, pattern: SparsityPattern) -> None:
         self._kind = kind
-        self._m = pattern.m
-        self._memory = np.zeros(64, dtype=np.int64)
-        self._iparm = np.zeros(64, dtype=np.int32)
+        self._values = np.zeros(pattern.nnz)
+        rows, columns = pattern.indptr.astype(np.int32), pattern.indices.astype(np.int32)
+        self._instance = _Instance(kind, self._values, rows, columns)
+        self._iparm = self._instance.iparm
         self._iparm[0] = 1  # own parameters
         self._iparm[1] = _MINIMUM_DEGREE if pattern.m < _SMALL else _NESTED_DISSECTION
         self._iparm[9] = 8 if kind == _INDEFINITE else 13  # pivot perturbation 1e-8 / 1e-13
@@ -131,24 +133,21 @@ class PardisoFactors:
         self._iparm[17] = self._iparm[18] = -1  # count entries of the factors, and operations
         self._iparm[20] = 1  # Bunch-Kaufman pivots
         self._iparm[34] = 1  # zero-based indices
-        self._rows = pattern.indptr.astype(np.int32)
-        self._columns = pattern.indices.astype(np.int32)
-        self._values = np.zeros(pattern.nnz)
         # views of the same values; made once, because a transpose costs more than a small product
         self._matrix = pattern.csr(self._values)
         self._transposed = self._matrix.T
         self._diagonal = pattern.diagonal
         self._analysed = False
-        self._finalizer = weakref.finalize(self, _release, self._memory, self._iparm, kind, self._m)
+        self._finalizer = weakref.finalize(self, self._instance.release)
 
     def factorize(self, values: FloatArray) -> bool:
         """Numerical factorisation; False if the matrix does not fit the type."""
         self._values[:] = values
         if not self._analysed:
-            if self._call(_ANALYSE) != 0:
+            if self._instance.call(_ANALYSE) != 0:
                 return False
             self._analysed = True
-        return self._call(_FACTORISE) == 0
+        return self._instance.call(_FACTORISE) == 0
 
     @property
     def indefinite(self) -> bool:
@@ -174,7 +173,7 @@ class PardisoFactors:
         b = np.asfortranarray(rhs)
         x = np.empty_like(b)
         self._iparm[11] = side
-        if self._call(_SOLVE, b, x) != 0:
+        if self._instance.call(_SOLVE, b, x) != 0:
             raise FactorizationError("PARDISO could not solve with its factors")
         return x
 
@@ -190,53 +189,48 @@ class PardisoFactors:
         """Of the last matrix, where it was taken as indefinite."""
         return int(self._iparm[22])
 
-    def _call(self, phase: int, b: FloatArray | None = None, x: FloatArray | None = None) -> int:
-        return _pardiso(
-            self._memory,
-            self._iparm,
-            self._kind,
-            self._m,
-            phase,
-            self._values,
-            self._rows,
-            self._columns,
-            b,
-            x,
+
+class _Instance:
+    """An instance of PARDISO: its memory, and what every call of it is given, at places that stay."""
+
+    def __init__(
+        self, kind: int, values: FloatArray, rows: NDArray[np.int32], columns: NDArray[np.int32]
+    ) -> None:
+        self.memory = np.zeros(64, dtype=np.int64)
+        self.iparm = np.zeros(64, dtype=np.int32)
+        self._function = _entry_point()
+        self._arrays = values, rows, columns, np.zeros(1, dtype=np.int32)  # alive as long as their addresses
+        self._phase, self._sides, self._error = ctypes.c_int32(), ctypes.c_int32(), ctypes.c_int32()
+        one, order = _integer(1), _integer(len(rows) - 1)
+        self._arguments = (
+            *(_address(self.memory), one, one, _integer(kind), ctypes.byref(self._phase), order),
+            *(*map(_address, self._arrays), ctypes.byref(self._sides)),
+            *(_address(self.iparm), _integer(0)),
         )
 
+    def call(self, phase: int, b: FloatArray | None = None, x: FloatArray | None = None) -> int:
+        """Go through a phase; PARDISO's error code.
 
-def _pardiso(
-    memory: Any,
-    iparm: Any,
-    kind: int,
-    m: int,
-    phase: int,
-    values: Any,
-    rows: Any,
-    columns: Any,
-    b: Any,
-    x: Any,
-) -> int:
-    """Call the Fortran-style entry point; return PARDISO's error code."""
+        Args:
+            phase: Its number.
+            b: Right-hand sides, shape (m,) or (m, k) column by column.
+            x: Written, the solutions.
+        """
+        self._phase.value = phase
+        self._sides.value = b.shape[1] if b is not None and b.ndim == 2 else 1
+        self._error.value = 0
+        self._function(*self._arguments, _address(b), _address(x), ctypes.byref(self._error))
+        return self._error.value
 
-    def address(array: Any) -> Any:
-        return None if array is None else ctypes.c_void_p(array.ctypes.data)
-
-    def integer(value: int) -> Any:
-        return ctypes.byref(ctypes.c_int32(value))
-
-    error = ctypes.c_int32(0)
-    one, nothing = integer(1), np.zeros(1, dtype=np.int32)
-    sides = integer(b.shape[1]) if b is not None and b.ndim == 2 else one
-    _entry_point()(
-        *(address(memory), one, one, integer(kind), integer(phase), integer(m)),
-        *(address(values), address(rows), address(columns), address(nothing), sides),
-        *(address(iparm), integer(0), address(b), address(x), ctypes.byref(error)),
-    )
-    return error.value
+    def release(self) -> None:
+        """Give MKL's memory back."""
+        if self.memory.any():
+            self.call(_RELEASE)
 
 
-def _release(memory: Any, iparm: Any, kind: int, m: int) -> None:
-    """Give MKL's memory back."""
-    if memory.any():
-        _pardiso(memory, iparm, kind, m, _RELEASE, None, None, None, None, None)
+def _address(array: Any) -> Any:
+    return None if array is None else ctypes.c_void_p(array.ctypes.data)
+
+
+def _integer(value: int) -> Any:
+    return ctypes.byref(ctypes.c_int32(value))
