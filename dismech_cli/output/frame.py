@@ -83,13 +83,13 @@ class Frame:
 
 
 class Writer(Protocol):
-    """Receives the topology once, then every frame, each durable when ``write`` returns."""
+    """Receives the topology once, then all frames in order, durable when ``write`` returns."""
 
     def open(self, topology: Topology, metadata: Mapping[str, str]) -> None:
         """Create the file or folder; raise ``OutputError`` if that is impossible."""
 
-    def write(self, frame: Frame) -> None:
-        """Append one frame; raise ``OutputError`` if it could not be made durable."""
+    def write(self, *frames: Frame) -> None:
+        """Append frames; raise ``OutputError`` if one could not be made durable."""
 
     def close(self) -> None:
         """Finish; safe to call twice."""

@@ -49,13 +49,14 @@ class CsvWriter:
                 self._file.truncate(size)
                 self._file.seek(size)
 
-    def write(self, frame: Frame) -> None:
-        """Append the scalars of a frame.
+    def write(self, *frames: Frame) -> None:
+        """Append the scalars of frames.
 
         Raises:
-            OutputError: If the line could not be written.
+            OutputError: If a line could not be written; lines before it are kept.
         """
-        self.write_row(frame.t, frame.scalars)
+        for frame in frames:
+            self.write_row(frame.t, frame.scalars)
 
     def write_row(self, t: float, scalars: Mapping[str, float]) -> None:
         """Append one row, for runs that log every step and not only frames.

@@ -64,17 +64,21 @@ class VtuWriter:
                     (self._series.parent / entry[2]).unlink(missing_ok=True)
         return "".join(kept)
 
-    def write(self, frame: Frame) -> None:
-        """Write one frame, then enter it in the series.
+    def write(self, *frames: Frame) -> None:
+        """Write frames, each before it is entered in the series.
 
         Raises:
             OutputError: If either file cannot be written; earlier frames are kept.
         """
         if self._topology is None:
             raise ValueError("write before open")
+        for frame in frames:
+            self._append(self._topology, frame)
+
+    def _append(self, topology: Topology, frame: Frame) -> None:
         path = self._frames / f"{frame.index:06d}.vtu"
         with staged(path) as temporary:
-            write_vtu(temporary, self._topology, frame)
+            write_vtu(temporary, topology, frame)
         entry = f'<DataSet timestep="{frame.t!r}" part="0" file="{FRAMES_FOLDER}/{path.name}"/>\n'.encode()
         with output_errors(self._series), self._series.open("r+b", buffering=0) as file:
             _replace_end(file, self._end, entry)

@@ -14,6 +14,7 @@ from ..output import checkpoint
 from ..output.durable import output_errors
 from ..output.events import EventLog
 from ..output.frame import Frame, Topology, Writer
+from ..output.held import Held
 from ..output.jsonable import Json
 from ..output.run_directory import CHECKPOINT_FOLDER, EVENTS_FILE
 from ..output.writers import WRITERS, make_writer
@@ -39,6 +40,7 @@ class Recorder:
         self._names = tuple(writers)
         self._identity = identity
         self._writers: list[Writer] = []
+        self._held = Held()
         self._events: EventLog | None = None
 
     def open(self, topology: Topology, metadata: Mapping[str, str], resume_at: float | None = None) -> None:
@@ -54,13 +56,22 @@ class Recorder:
             writer.open(topology, metadata)
 
     def frame(self, frame: Frame) -> None:
-        """Give a frame to every writer.
+        """Give a frame to every writer, small ones together with others that follow soon.
 
         Raises:
-            OutputError: If one cannot write it.
+            OutputError: If one cannot write it, or those before it.
         """
-        for writer in self._writers:
-            writer.write(frame)
+        self._held.add(frame)
+        self._write_due()
+
+    def _write_due(self) -> None:
+        if self._held.due:
+            self._write_all()
+
+    def _write_all(self) -> None:
+        if frames := self._held.take():
+            for writer in self._writers:
+                writer.write(*frames)
 
     def event(self, kind: str, t: float, **details: object) -> None:
         """Append an event.
@@ -72,16 +83,22 @@ class Recorder:
         self._events.add(kind, t, **details)
 
     def checkpoint(self, arrays: Arrays, numbers: Numbers) -> None:
-        """Write a checkpoint.
+        """Write a checkpoint, after the frames before it.
 
         Raises:
             OutputError: If it cannot be written; the one before is kept.
         """
+        self._write_all()
         meta: dict[str, Json] = {_FORMAT: _VERSION, _IDENTITY: self._identity, _NUMBERS: dict(numbers)}
         checkpoint.save(self._run_dir / CHECKPOINT_FOLDER, arrays, meta)
 
     def progress(self, progress: Progress) -> None:
-        """Do nothing: the frames say where the run stands."""
+        """Write the frames that were held back long enough; they say where the run stands.
+
+        Raises:
+            OutputError: If one cannot be written.
+        """
+        self._write_due()
 
     def close(self) -> None:
         """Close all files; safe to call twice.
@@ -89,12 +106,13 @@ class Recorder:
         Raises:
             OutputError: If the last bytes could not be written; the other files are closed all the same.
         """
-        writers, self._writers = self._writers, []
         with contextlib.ExitStack() as stack:
-            for writer in writers:
+            for writer in self._writers:
                 stack.callback(writer.close)
             if self._events is not None:
-                self._events.close()
+                stack.callback(self._events.close)
+            self._write_all()
+            self._writers = []
 
 
 class Checkpoint(NamedTuple):

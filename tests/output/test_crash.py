@@ -63,7 +63,7 @@ from output_cases import sheet
 from dismech_cli.errors import OutputError
 from dismech_cli.output.writers import make_writer
 
-name, run_dir, limit = sys.argv[1], Path(sys.argv[2]), int(sys.argv[3])
+name, run_dir, limit, batch = sys.argv[1], Path(sys.argv[2]), int(sys.argv[3]), int(sys.argv[4])
 if limit:
     resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
 topology, frames = sheet(frames=3000)
@@ -71,9 +71,9 @@ writer = make_writer(name, run_dir)
 writer.open(topology, {})
 count = 0
 try:
-    for frame in frames:
-        writer.write(frame)
-        count += 1
+    for first in range(0, len(frames), batch):
+        writer.write(*frames[first : first + batch])
+        count += batch
     print("never full")
 except OutputError as error:
     print(count, error, sep="|", flush=True)
@@ -146,18 +146,28 @@ def check_full(done: subprocess.CompletedProcess[str], name: str, run_dir: Path,
 @pytest.mark.skipif(sys.platform == "win32", reason="no file size limit on Windows")
 @pytest.mark.parametrize("limit", [700_000, 703_001])
 def test_file_size_limit_is_an_output_error(tmp_path, limit):
-    check_full(run_python(FILLER, "hdf5", tmp_path, limit), "hdf5", tmp_path, "size limit")
+    check_full(run_python(FILLER, "hdf5", tmp_path, limit, 1), "hdf5", tmp_path, "size limit")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no file size limit on Windows")
+def test_of_frames_that_are_written_together_those_with_room_are_kept(tmp_path):
+    done = run_python(FILLER, "hdf5", tmp_path, 700_000, 3000)
+    assert done.returncode == 5, (done.stdout, done.stderr)
+    alone = tmp_path / "alone"
+    alone.mkdir()
+    check_full(run_python(FILLER, "hdf5", alone, 700_000, 1), "hdf5", alone, "size limit")
+    assert frames_readable("hdf5", tmp_path) == frames_readable("hdf5", alone)
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no file size limit on Windows")
 def test_file_size_limit_stops_the_table(tmp_path):
-    check_full(run_python(FILLER, "csv", tmp_path, 5_000), "csv", tmp_path, "size limit")
+    check_full(run_python(FILLER, "csv", tmp_path, 5_000, 1), "csv", tmp_path, "size limit")
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no file size limit on Windows")
 def test_file_size_limit_stops_the_series(tmp_path):
     # A frame has 22 kB, so that the list of the series reaches the limit first.
-    check_full(run_python(FILLER, "vtu", tmp_path, 30_000), "vtu", tmp_path, "size limit")
+    check_full(run_python(FILLER, "vtu", tmp_path, 30_000, 1), "vtu", tmp_path, "size limit")
 
 
 @pytest.fixture
@@ -175,4 +185,4 @@ def small_disk(tmp_path):
 def test_full_disk_is_an_output_error(small_disk, name):
     if name == "csv":
         (small_disk / "ballast").write_bytes(bytes(1_200_000))
-    check_full(run_python(FILLER, name, small_disk, 0), name, small_disk, "disk is full")
+    check_full(run_python(FILLER, name, small_disk, 0, 1), name, small_disk, "disk is full")

@@ -153,6 +153,20 @@ def test_a_resumed_file_equals_a_straight_one(tmp_path):
         assert_array_equal(resumed[name], value, err_msg=name)
 
 
+def test_frames_written_together_are_those_written_alone(tmp_path):
+    topology, frames = sheet(frames=9)
+    write_all(Hdf5Writer(tmp_path / "alone.vtkhdf"), topology, frames)
+    writer = Hdf5Writer(tmp_path / "together.vtkhdf")
+    writer.open(topology, {})
+    writer.write(*frames[:2])
+    writer.write(*frames[2:])
+    writer.close()
+    alone, together = contents(tmp_path / "alone.vtkhdf"), contents(tmp_path / "together.vtkhdf")
+    assert alone.keys() == together.keys()
+    for name, value in alone.items():
+        assert_array_equal(together[name], value, err_msg=name)
+
+
 def test_a_ragged_tail_is_left_out_and_cut_by_resume(tmp_path):
     topology, frames = cantilever(frames=5)
     write_run(tmp_path, (topology, frames))

@@ -17,8 +17,8 @@ _METADATA_PER_COLUMN = 8 * 1024
 _METADATA_PER_FILE = 64 * 1024
 
 
-def room_for_frame(chunk_bytes: list[int]) -> int:
-    """Most bytes by which one frame can enlarge the file, given the chunk size of each column."""
+def room_for(chunk_bytes: list[int]) -> int:
+    """Most bytes by which frames can enlarge the file, given those of the new chunks of each column."""
     return sum(chunk_bytes) + len(chunk_bytes) * _METADATA_PER_COLUMN + _METADATA_PER_FILE
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +20,7 @@ from .vtkhdf import ColumnPlan, Value
 
 
 class Hdf5Writer:
-    """Appends frames to one file, flushed to the system after each.
+    """Appends frames to one file, flushed to the system after each call.
 
     The file has the group ``VTKHDF`` (positions and fields, for ParaView) beside ``dismech/state``,
     ``dismech/scalars``, ``dismech/topology`` and the attributes of ``dismech`` (the metadata).
@@ -37,7 +37,6 @@ class Hdf5Writer:
         self._file: Any = None
         self._columns: list[tuple[Column, Value]] = []
         self._frames = 0
-        self._room = 0
 
     def open(self, topology: Topology, metadata: Mapping[str, str]) -> None:
         """Create the file, or reopen and cut it.
@@ -49,7 +48,6 @@ class Hdf5Writer:
             self._create(topology, metadata)
         else:
             self._reopen(topology, self._resume_at)
-        self._room = disk_space.room_for_frame([column.chunk_bytes() for column, _ in self._columns])
 
     def _create(self, topology: Topology, metadata: Mapping[str, str]) -> None:
         with output_errors(self._path, "create"):
@@ -86,21 +84,36 @@ class Hdf5Writer:
                 column.truncate(self._frames)
             self._file.flush()
 
-    def write(self, frame: Frame) -> None:
-        """Append one frame; after return it survives the death of this process.
+    def write(self, *frames: Frame) -> None:
+        """Append frames; after return they survive the death of this process.
 
         Raises:
-            OutputError: If there is no room or the write fails; frames before this one are kept.
+            OutputError: If there is no room or the write fails; frames that had room are kept.
         """
         with output_errors(self._path):
-            disk_space.reserve(self._file, self._room)
-            for column, value in self._columns:
-                column.put(self._frames, value(frame, self._frames))
-            # A frame counts once it is whole in the file: its data first, then the number of steps.
-            self._file.flush()
-            vtkhdf.set_step_count(self._file, self._frames + 1)
-            self._file.flush()
-        self._frames += 1
+            try:
+                self._reserve(len(frames))
+            except OSError:
+                # no room for all: as many as there is room for
+                for frame in frames:
+                    self._reserve(1)
+                    self._put((frame,))
+            else:
+                self._put(frames)
+
+    def _reserve(self, frames: int) -> None:
+        room = disk_space.room_for([column.room(frames) for column, _ in self._columns])
+        disk_space.reserve(self._file, room)
+
+    def _put(self, frames: Sequence[Frame]) -> None:
+        first = self._frames
+        for column, value in self._columns:
+            column.put(first, [value(frame, row) for row, frame in enumerate(frames, first)])
+        # Frames count once they are whole in the file: their data first, then the number of steps.
+        self._file.flush()
+        vtkhdf.set_step_count(self._file, first + len(frames))
+        self._file.flush()
+        self._frames += len(frames)
 
     def close(self) -> None:
         """Close the file; safe to call twice.
