@@ -14,8 +14,9 @@ from dismech_cli.run.loop import run
 from dismech_cli.session.narrator import Silent
 from dismech_cli.session.sinks import Latest
 from dismech_cli.studies.gradient.gradient import Method, exact, find
+from dismech_cli.studies.gradient.nearby import nearby
 from dismech_cli.studies.gradient.run import differentiated, exactly, run_taped, start_run
-from dismech_cli.studies.gradient.setting import Setting, nearby
+from dismech_cli.studies.gradient.setting import Setting
 from dismech_cli.studies.source import Source
 
 from .clock import in_turns
@@ -106,7 +107,7 @@ def measure(scene: Scene, seconds: float) -> tuple[int, float, list[float]]:
         loaded, composition = start_run(source, Silent())
         target, _ = find(loaded, composition, "tip")
         settings = [Setting.of(loaded, one) for one in scene.by]
-        near = [nearby(source, one, composition.plan.kernels) for one in settings]
+        near = nearby(source, settings, composition)
     plain = replace(composition.simulation, frame_every=1e300)
     simulation = exactly(composition, {"tip": composition.simulation.probes["tip"]})
     taped = run_taped(simulation, Silent())

@@ -267,6 +267,16 @@ class FittedValue(_Strict):
     )
 
 
+class FittedPart(_Strict):
+    """How a marker or a probe of a table is met, in its unit: distances, or sizes of differences."""
+
+    name: str
+    mean: Number | None
+    worst: Number | None
+    held_out_mean: Number | None
+    held_out_worst: Number | None
+
+
 class FittedData(_Strict):
     """How a table of samples is met, in its unit."""
 
@@ -278,6 +288,7 @@ class FittedData(_Strict):
     worst: Number
     held_out_rms: Number | None
     scale: Number | None = Field(description="Of a picture, per metre; null otherwise.")
+    parts: list[FittedPart] = Field(description="Each marker or probe; all probes of a row together.")
 
 
 class Calibration(_Strict):

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Final
+from typing import Final, TypeAlias
 
 import numpy as np
 
@@ -54,6 +54,12 @@ DIFFERENCES: Final = (CENTRAL, BEHIND, AHEAD)
 are values on one side alone."""
 
 
+Span: TypeAlias = tuple[float, float]
+"""Two times, both included [s]."""
+
+ALWAYS: Final[Span] = (-np.inf, np.inf)
+
+
 class UnlikeError(Exception):
     """Models at neighbouring values of a parameter are not of one structure."""
 
@@ -71,12 +77,19 @@ class Neighbours:
         difference: Says where they are.
         models: One for each of its places.
         starts: Where runs of them start.
+        span: When the balance depends on the parameter; what else the models differ by is not its doing.
     """
 
     step: float
     difference: Difference
     models: tuple[Model, ...]
     starts: tuple[State, ...]
+    span: Span = ALWAYS
+
+    def counts(self, t: float) -> bool:
+        """Whether the balance depends on the parameter at a time [s]."""
+        since, until = self.span
+        return since <= t <= until
 
     def slope(self, values: Sequence[FloatArray]) -> FloatArray:
         """Derivative of what has these values at the neighbours."""
@@ -200,6 +213,8 @@ class ParameterSlope:
 
     def of_others(self, here: Here) -> FloatArray | None:
         """Dr/dp at a fixed state of what has no share, shape (n,); None where there is nothing."""
+        if not self._near.counts(here.c.t):
+            return None
         parts = [term.slope(here) for term in self._rest]
         if self._touching:
             parts.append(self._near.slope([one.residual(here.c) for one in self._touching]))

@@ -228,6 +228,34 @@ def test_a_camera_is_found_with_the_value(call):
     assert found["cameras"][0] == pytest.approx(camera, rel=1e-3)
 
 
+def test_a_marker_that_is_kept_out_is_predicted(call):
+    deck = hanging()
+    points = 1e3 * shape(deck)[1:, [0, 2]]
+    points[-1] += [3.0, -4.0]  # 5 mm off, for all that the fit knows
+    columns("seen.csv", ["x", "z"], points)
+    markers = {"of": "arm", "nodes": list(range(1, 11)), "columns": {"x": "x", "z": "z"}, "first": 1}
+    table = {"file": "seen.csv", "unit": "mm", "deviation": 1.0, "markers": markers | {"predicted": [10]}}
+    deck["calibrate"] = {"fit": [{"of": E, "scale": "log"}], "data": [table]}
+    sets = ("--set", f"{E}=1.5e6")
+    found = fitted(call("calibrate", write(deck), "-o", "fit", *sets, "--json", "-q"))
+    assert found["parameters"][0]["value"] == pytest.approx(1e6, rel=1e-6)
+    (data,) = found["data"]
+    assert data["samples"] == 18
+    last = data["parts"][-1]
+    assert last["name"] == "marker 10"
+    assert last["mean"] is None
+    assert last["held_out_mean"] == pytest.approx(5.0, rel=1e-4)
+    assert data["held_out_rms"] == pytest.approx(np.sqrt(12.5), rel=1e-4)
+    assert data["parts"][0]["mean"] < 1e-3
+    told = call("calibrate", write(deck), "-o", "fit", *sets, "-q").stdout
+    assert re.search(r"^marker 10 +5 mm +5 mm$", told, re.MULTILINE)
+    markers["predicted"] = [11]
+    deck["calibrate"]["data"][0]["markers"] = markers
+    refused = call("calibrate", write(deck), "-o", "fit", "-q")
+    assert refused.code == 2
+    assert "markers are numbered from 1 to 10; there is no 11" in refused.stderr
+
+
 def test_one_sample_far_off_counts_little_when_robust(call):
     deck = hanging()
     points = 1e3 * shape(deck)[1:, [0, 2]]

@@ -286,3 +286,30 @@ def test_a_value_that_changes_nothing_is_told(call):
 def test_the_schema_of_the_result(call):
     schemas = json.loads(call("schema", "--results").stdout)
     assert schemas["gradient"] == TypeAdapter(Gradient | Failure).json_schema()
+
+
+@pytest.mark.parametrize("interpolation", ["linear", "step"])
+@pytest.mark.parametrize("probe", [{"energy": "elastic"}, {"position": "arm.end", "component": "z"}])
+def test_every_value_of_a_table_has_its_own_derivative(call, probe, interpolation):
+    """Many of them are varied at once; frames are read at times between their rows and at rows."""
+    deck = planar()
+    rows = [[0.0, 1.0], [0.004, 4.0], [0.01, -3.0], [0.015, 5.0], [0.02, 2.0], [0.03, -1.0], [0.5, 2.0]]
+    deck["actuation"][0]["value"] = {"table": rows, "interpolation": interpolation}
+    deck["materials"]["rubber"] = dict(deck["materials"]["rubber"], relaxation_time=5e-3)
+    deck["output"] = {"probes": {"e": probe}}
+    path = "actuation[0].value.table[*][1]"
+    result = found(call("gradient", write(deck), "--of", "e", "--by", path, "--json", "-q"))
+    assert len(result.gradient) == len(rows)
+    assert result.check is not None
+    assert result.check.agrees
+    one, other = (
+        [
+            slope.derivative
+            for slope in found(
+                call("gradient", write(deck), "--of", "e", "--by", path, *how, "--no-check", "--json", "-q")
+            ).gradient
+        ]
+        for how in ((), ("--method", "differences"))
+    )
+    size = max(map(abs, other))
+    assert one == pytest.approx(other, rel=1e-6, abs=1e-8 * size)

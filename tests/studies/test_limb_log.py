@@ -8,116 +8,72 @@ from typing import Any
 
 import numpy as np
 import pytest
-import yaml
 from cli_call import call
-from limb_log import EDGES, FRAMES, LENGTH, LOG, curvatures, marked, posed, replay, seen, table
+from limb_log import ARCS, EDGES, FRAMES, LENGTH, LOG, curvatures, marked, posed, seen
+from numpy.testing import assert_allclose
 
-from dismech_cli import simulate
-from dismech_cli.arrays import FloatArray
-from dismech_cli.scenario.load import load_mapping
+from dismech_cli import load, simulate
+from dismech_cli.csv_columns import read_columns
 
 __all__ = ["call"]
 
-
-def shapes(deck: dict[str, Any]) -> FloatArray:
-    """Places of the nodes in the plane in all frames [m], shape (F, 49, 2)."""
-    frames = simulate(load_mapping(deck)).frames[1:]
-    return np.array([frame.positions[:, [0, 2]] for frame in frames])
+SCENARIOS = Path(__file__).parents[2] / "scenarios"
 
 
-@pytest.fixture(scope="module")
-def published() -> FloatArray:
-    return shapes(replay())
-
-
-def test_the_schedule_gives_the_curvatures_that_it_was_made_for(published: FloatArray) -> None:
-    """In all frames; the authors stopped at a sum of 2.5e-3."""
-    off = np.abs(curvatures(published) - LOG.curvatures).sum(axis=1)
-    assert len(off) == FRAMES
-    assert off.max() < 1.05 * 2.5e-3
-
-
-def test_the_tip_of_odd_frames_is_predicted(published: FloatArray) -> None:
-    model, picture = marked(published), seen()
-    factor, offset = posed(model[::2], picture[::2])
-    off = np.abs(factor * picture + offset - model)
-    assert 1e3 * off[1::2, -1].mean() == pytest.approx(3.4, abs=0.2)
-    assert 1e3 * off[1::2].mean() == pytest.approx(1.80, abs=0.05)
-
-
-def test_a_camera_placed_by_even_frames_predicts_the_odd_ones(call: Any) -> None:
-    data = table(Path("tags.csv"), LOG.tags, hold_out=2)
-    Path("log.yaml").write_text(json.dumps(replay() | {"calibrate": {"fit": [], "data": [data]}}))
-    done = call("calibrate", "log.yaml", "-o", "fit", "--json", "-q")
+def fitted(call: Any, name: str, *sets: str) -> tuple[dict[str, Any], ...]:
+    """What the command says of each table of a scene."""
+    words = [word for text in sets for word in ("--set", text)]
+    done = call("calibrate", SCENARIOS / f"{name}.yaml", *words, "-o", "fit", "--json", "-q")
     assert done.code == 0, done.stderr
-    (found,) = json.loads(done.stdout)["data"]
-    assert 1e3 / found["scale"] == pytest.approx(0.2795, abs=5e-4)
-    # root mean square of both coordinates: 1.80 mm is the mean distance
-    assert 1e3 * found["held_out_rms"] / found["scale"] == pytest.approx(1.8, abs=0.2)
+    return tuple(json.loads(done.stdout)["data"])
+
+
+def test_the_shipped_log_is_the_published_one() -> None:
+    names = [f"{letter}_{i}" for i in range(101, 110) for letter in "uv"]
+    columns = read_columns(SCENARIOS / "data" / "limb_log.csv", [*names, "limb_1", "limb_2"])
+    assert_allclose(np.stack(columns[:18], axis=1), LOG.tags, rtol=1e-8)
+    assert_allclose(np.stack(columns[18:], axis=1), LOG.curvatures, rtol=1e-8)
+    scene = load(SCENARIOS / "limb_log.yaml").scenario
+    for limb, part in enumerate(scene.actuation):
+        rows = np.array(part.value.table)  # type: ignore[union-attr]
+        assert_allclose(rows[:, 0], (np.arange(FRAMES) + 1.0) / FRAMES, rtol=1e-11)
+        bent = 2.0 * np.tan(np.radians(LOG.bends[:, limb]) / EDGES) / (LENGTH / EDGES)
+        assert_allclose(rows[:, 1], bent, rtol=1e-8)
+    assert scene.calibrate is not None
+    assert scene.calibrate.data[0].markers is not None
+    assert_allclose(scene.calibrate.data[0].markers.arc, ARCS, atol=1e-7)
+
+
+def test_the_schedule_gives_what_it_was_made_for_and_predicts_the_tip(call: Any) -> None:
+    """In all frames, where its authors stopped at a sum of 2.5e-3; the camera is placed by the even ones."""
+    tags, bends = fitted(call, "limb_log")
+    together = bends["parts"][-1]
+    assert bends["samples"] == 2 * FRAMES
+    assert together["worst"] < 1.05 * 2.5e-3
+    assert 1e3 / tags["scale"] == pytest.approx(0.2795, abs=5e-4)
+    predicted = 1e3 / tags["scale"] * np.array([part["held_out_mean"] for part in tags["parts"]])
+    assert predicted[-1] == pytest.approx(3.4, abs=0.2)
+    assert predicted.mean() == pytest.approx(1.80, abs=0.05)
+    # what the command says is what the frames say
+    x = np.array([frame.positions[:, [0, 2]] for frame in simulate(SCENARIOS / "limb_log.yaml").frames[1:]])
+    off = np.abs(curvatures(x) - LOG.curvatures).sum(axis=1)
+    assert together["worst"] == pytest.approx(off.max(), rel=1e-6)
+    assert together["mean"] == pytest.approx(off.mean(), rel=1e-6)
+    model, picture = marked(x), seen()
+    factor, offset = posed(picture[::2], model[::2])
+    far = 1e3 * np.abs(factor * model + offset - picture)[1::2].mean(axis=0) / abs(factor)
+    assert predicted == pytest.approx(far, rel=1e-6)
 
 
 @pytest.mark.slow
-def test_two_curvatures_of_each_frame_are_fitted_to_its_tags(call: Any) -> None:
-    """By the command, every 13th frame: with the whole log it takes many minutes."""
-    some = slice(None, None, 13)
-    start = 2.0 * np.tan(np.radians(LOG.bends[some]) / EDGES) / (LENGTH / EDGES)
-    off = {}
-    for count in (9, 8):
-        data = table(Path("tags.csv"), LOG.tags[some], count=count)
-        fit = [{"of": f"actuation[{limb}].value.table[*][1]"} for limb in (0, 1)]
-        Path("log.yaml").write_text(json.dumps(replay(start) | {"calibrate": {"fit": fit, "data": [data]}}))
-        done = call("calibrate", "log.yaml", "-o", f"fit{count}", "--no-dt-check", "--json", "-q")
-        assert done.code == 0, done.stderr
-        model = marked(shapes(yaml.safe_load((Path(f"fit{count}") / "fitted.yaml").read_text())))
-        # the camera is that of the tags that were fitted
-        factor, offset = posed(model[:, :count], seen()[some, :count])
-        off[count] = 1e3 * np.abs(factor * seen()[some] + offset - model)
-    # mean distances [mm]: of the tip, of all tags, and of a tip that was not fitted
-    assert off[9][:, -1].mean() < 0.7
-    assert off[8][:, -1].mean() < 1.8
-
-
-def fitted_together(count: int, picture: FloatArray, *, camera: bool) -> tuple[FloatArray, FloatArray]:
-    """Two curvatures of each of all frames by Gauss-Newton, and the pose of the camera.
-
-    At rest frames do not depend on each other: three runs give the slopes of all.
-
-    Args:
-        count: How many tags are fitted.
-        picture: All tags, shape (F, 9).
-        camera: Whether its pose is sought; if not the picture lies as it is.
-
-    Returns:
-        Tags of the model and of the picture as it is laid on it at last, shape (F, 9) [m].
-    """
-    curvature = 2.0 * np.tan(np.radians(LOG.bends) / EDGES) / (LENGTH / EDGES)
-    model, step, frame = marked(shapes(replay(curvature))), 1e-3, np.arange(FRAMES)
-    factor, offset = posed(model, picture) if camera else (1.0 + 0.0j, 0.0j)
-    for _ in range(4):
-        slopes = np.zeros((FRAMES, count, 2 * FRAMES + 4), dtype=complex)
-        for k, side in enumerate(np.eye(2)):
-            beside = marked(shapes(replay(curvature + step * side)))
-            slopes[frame, :, 2 * frame + k] = (beside - model)[:, :count] / step
-        for k, column in enumerate((-picture[:, :count], -1j * picture[:, :count], -1.0, -1.0j)):
-            slopes[:, :, 2 * FRAMES + k] = column if camera else 0.0
-        left = (factor * picture + offset - model)[:, :count].ravel()
-        rows = slopes.reshape(len(left), -1)
-        change = np.linalg.lstsq(
-            np.concatenate((rows.real, rows.imag)), np.concatenate((left.real, left.imag))
-        )[0]
-        curvature = curvature + change[: 2 * FRAMES].reshape(FRAMES, 2)
-        factor += complex(*change[-4:-2])
-        offset += complex(*change[-2:])
-        model = marked(shapes(replay(curvature)))
-    return model, np.asarray(factor * picture + offset)
-
-
-@pytest.mark.slow
-def test_two_curvatures_of_every_frame_of_the_whole_log() -> None:
-    """Fitted to all tags; and to all but the tip, which is predicted, seen by the same camera."""
-    model, picture = fitted_together(9, seen(), camera=True)
-    off = 1e3 * np.abs(picture - model)
-    assert off[:, -1].mean() < 0.7
-    assert off.mean() == pytest.approx(0.63, abs=0.03)
-    model, _ = fitted_together(8, picture, camera=False)
-    assert 1e3 * np.abs(picture - model)[:, -1].mean() < 1.8
+@pytest.mark.parametrize(
+    ("sets", "measure", "most"),
+    [((), "mean", 0.7), (("calibrate.data[0].markers.predicted=[109]",), "held_out_mean", 1.8)],
+)
+def test_two_curvatures_of_every_frame_of_the_whole_log(
+    call: Any, sets: tuple[str, ...], measure: str, most: float
+) -> None:
+    """Fitted to all tags; and to all but the tip, which is predicted, camera and all."""
+    (tags,) = fitted(call, "limb_log_fit", *sets)
+    assert tags["samples"] == 2 * FRAMES * (9 - len(sets))
+    assert 1e3 * tags["parts"][-1][measure] / tags["scale"] < most

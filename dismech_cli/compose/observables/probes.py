@@ -9,6 +9,7 @@ import numpy as np
 from ...arrays import IntArray
 from ...run.observables import probes
 from ...scenario.language.probe import (
+    BendProbe,
     ContactProbe,
     ControlProbe,
     DisplacementProbe,
@@ -103,6 +104,9 @@ def make_probe(
             edges = geometry.edges[scene.places.edges((*path, "turn"))]
             along = geometry.nodes[edges[:, 1]] - geometry.nodes[edges[:, 0]]
             return probes.Turn(edges, along / np.linalg.norm(along, axis=1)[:, None])
+        case BendProbe():
+            about = np.array(probe.about)
+            return probes.Bend(_line(scene, probe, path), about / np.linalg.norm(about))
         case LoadFactorProbe():
             return probes.LoadFactor()
         case ContactProbe():
@@ -111,6 +115,20 @@ def make_probe(
             return control_probe(scene, control, probe, path)
         case StabilityProbe():
             return probes.NegativeEigenvalues()
+
+
+def _line(scene: Scene, probe: BendProbe, path: KeyPath) -> IntArray:
+    """Nodes of a line.
+
+    Raises:
+        ScenarioError: The body has no such node.
+    """
+    nodes = scene.geometry.body_nodes[probe.bend]
+    for k, node in enumerate(probe.nodes):
+        if node >= len(nodes):
+            message = f"{probe.bend!r} has {len(nodes)} nodes, counted from 0; there is no {node}"
+            raise scene.error((*path, "nodes", k), message)
+    return nodes[list(probe.nodes)]
 
 
 def _held_with(scene: Scene, structure: Structure, nodes: IntArray) -> IntArray:

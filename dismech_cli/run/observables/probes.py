@@ -140,6 +140,27 @@ class Turn:
 
 
 @dataclass(frozen=True, slots=True)
+class Bend:
+    """Mean discrete curvature of a line through nodes, 2 tan(turn / 2), about a direction.
+
+    Attributes:
+        nodes: Along the line, shape (K,).
+        about: Unit vector, shape (3,).
+    """
+
+    nodes: IntArray
+    about: FloatArray
+    unit: str = "1"
+
+    def __call__(self, s: Snapshot) -> float:
+        """Read it."""
+        e = np.diff(s.positions[self.nodes], axis=0)
+        size = np.linalg.norm(e, axis=1)
+        along = np.einsum("ij,ij->i", e[:-1], e[1:])
+        return float((2.0 * np.cross(e[:-1], e[1:]) @ self.about / (size[:-1] * size[1:] + along)).mean())
+
+
+@dataclass(frozen=True, slots=True)
 class LoadFactor:
     """The load factor of a static run."""
 

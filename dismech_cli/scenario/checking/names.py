@@ -8,7 +8,7 @@ from ...words import hint, listed
 from ..language.actuation import ShellActuation
 from ..language.geometry import Body, Shell
 from ..language.joint import AutoJoint
-from ..language.probe import MeanPositionProbe
+from ..language.probe import BendProbe, MeanPositionProbe
 from ..language.scenario import Scenario
 from ..language.seam import Seam
 from ..values.selection import EdgeSelection, GroupSelection, NodeSelection
@@ -96,10 +96,16 @@ def _rod_names(scenario: Scenario) -> Iterator[Finding]:
         if part.joints is not None and part.joints[1] < part.joints[0]:
             yield ("actuation", i, "joints"), f"a range goes from first to last, got {list(part.joints)}"
     for path, probe in probes(scenario):
-        if isinstance(probe, MeanPositionProbe) and probe.mean_position not in bodies:
+        match probe:
+            case MeanPositionProbe(mean_position=name):
+                key = "mean_position"
+            case BendProbe(bend=name):
+                key = "bend"
+            case _:
+                continue
+        if name not in bodies:
             kind = "body" if scenario.shells else "rod"
-            near = hint(probe.mean_position, bodies)
-            yield (*path, "mean_position"), f"no {kind} is named {probe.mean_position!r}{near}"
+            yield (*path, key), f"no {kind} is named {name!r}{hint(name, bodies)}"
     for path, name in named:
         if name not in rods:
             yield path, _unnamed("rod", name, rods, scenario)

@@ -50,6 +50,9 @@ class Markers(Spec):
         "`time` each row is a marker instead.",
     )
     first: Index = Field(default=0, description="Number of the first marker in the names of columns.")
+    predicted: Annotated[tuple[Index, ...], Strict(False)] = Field(
+        default=(), description="Numbers of markers that are kept out of the fit, to be predicted by it."
+    )
     camera: bool = Field(
         default=False,
         description="The columns are those of a picture, across and down, of two coordinates: scale, turn "

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Annotated, Literal, TypeAlias
 
-from pydantic import Field, Tag
+from annotated_types import Len
+from pydantic import Field, Strict, Tag, field_validator
 
-from ..values.quantity import Name, TwoNames
+from ..values.quantity import DirectionTriple, Index, Name, TwoNames
 from ..values.selection import SelectedEdges, SelectedNodes, TwoPlaces
-from ..values.spec import Spec, tag, told_by_key
+from ..values.spec import Spec, problem, tag, told_by_key
 from .shape_file import ShapeFile
 
 Component: TypeAlias = Literal["x", "y", "z", "magnitude"]
@@ -73,6 +75,24 @@ class TurnProbe(Spec):
     """Angle between an edge and its direction at rest, 0 to 180 deg: at a rod's end, its slope."""
 
     turn: SelectedEdges = Field(description="An edge: the end of a rod, or one of its edges.")
+
+
+class BendProbe(Spec):
+    """How much a line through nodes of a body is bent: the mean of 2 tan(turn / 2) where it turns."""
+
+    bend: Name = Field(description="Name of the body.")
+    nodes: Annotated[tuple[Index, ...], Len(3), Strict(False)] = Field(
+        description="Its nodes along the line, counted from 0; as of markers that are seen."
+    )
+    about: DirectionTriple = Field(description="Direction about which a turn counts as positive.")
+
+    @field_validator("nodes", mode="after")
+    @classmethod
+    def _onwards(cls, nodes: tuple[int, ...]) -> tuple[int, ...]:
+        twice = next((a for a, b in pairwise(nodes) if a == b), None)
+        if twice is not None:
+            raise problem(f"a line goes from node to node, but {twice} follows {twice}")
+        return nodes
 
 
 class LoadFactorProbe(Spec):
@@ -140,6 +160,7 @@ Probe: TypeAlias = Annotated[
     | Annotated[ReactionProbe, Tag(tag("reaction"))]
     | Annotated[TwistProbe, Tag(tag("twist"))]
     | Annotated[TurnProbe, Tag(tag("turn"))]
+    | Annotated[BendProbe, Tag(tag("bend"))]
     | Annotated[LoadFactorProbe, Tag(tag("load_factor"))]
     | Annotated[ContactProbe, Tag(tag("contact"))]
     | Annotated[SensorProbe, Tag(tag("sensor"))]
@@ -156,6 +177,7 @@ Probe: TypeAlias = Annotated[
         "reaction",
         "twist",
         "turn",
+        "bend",
         "load_factor",
         "contact",
         "sensor",
@@ -181,7 +203,7 @@ def quantity_of(probe: Probe) -> str:
             return "ratio"
         case ContactProbe():
             return "force"
-        case StabilityProbe() | LoadFactorProbe():
+        case StabilityProbe() | LoadFactorProbe() | BendProbe():
             return "ratio"
         case SensorProbe() | ControlProbe():
             return "strain"

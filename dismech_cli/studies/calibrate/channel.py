@@ -18,9 +18,9 @@ from ...scenario.load import LoadedScenario
 from ...scenario.text.tree import KeyPath
 from ...solve.neighbours import Variation
 from ...words import hint
+from ..gradient.nearby import Nearby
 from ..gradient.reading import Readings
 from ..gradient.run import TapedRun
-from ..gradient.setting import Nearby
 
 Seen = tuple[State, FloatArray]
 """An accepted state, and the residual of the step to it."""
@@ -102,9 +102,13 @@ def points(
         ScenarioError: There is no such body, node, length or coordinate.
     """
     weights = _weights(loaded, path, markers, composition)
+    known: dict[int, csr_matrix] = {}
     moved = []
     for one in near:
-        others = [_weights(loaded, path, markers, other) for other in one.compositions]
+        for there in one.compositions:
+            if id(there) not in known:  # values of one table share them
+                known[id(there)] = _weights(loaded, path, markers, there)
+        others = [known[id(there)] for there in one.compositions]
         change = 0.0 * weights
         for part, other in zip(one.difference.weights, others, strict=True):
             change = change + part * other

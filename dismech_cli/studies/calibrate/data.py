@@ -8,7 +8,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from ...arrays import BoolArray, FloatArray
+from ...arrays import BoolArray, FloatArray, IntArray
 from ...csv_columns import read_columns
 from ...errors import ScenarioError
 from ...quantities import QuantityError, read_quantity
@@ -30,8 +30,9 @@ class Curves:
         values: Samples in SI units, of a picture in its own; NaN where there is none, shape (R, C).
         labels: A word for each column, shape (C,).
         deviation: Standard deviation of a sample, in the same units; None if not known.
-        fitted: Rows that are fitted, shape (R,).
-        held: Rows that are kept out of the fit, shape (R,).
+        among: Rows that count, shape (R,).
+        fitted: Samples that are fitted, shape (R, C).
+        held: Samples that are kept out of the fit, shape (R, C).
     """
 
     spec: Samples
@@ -39,6 +40,7 @@ class Curves:
     values: FloatArray
     labels: tuple[str, ...]
     deviation: float | None
+    among: BoolArray
     fitted: BoolArray
     held: BoolArray
 
@@ -66,7 +68,7 @@ def _read(loaded: LoadedScenario, k: int, spec: Samples) -> Curves:
     if spec.time is None:
         rows = values.shape[0]
         if spec.markers is not None:
-            count = len(spec.markers.nodes or spec.markers.arc or ())
+            count = count_of(spec.markers)
             if rows != count:
                 message = f"{spec.file} has {rows} rows for {count} markers: without 'time' each row is one"
                 raise loaded.error((*path, "markers"), message)
@@ -87,14 +89,33 @@ def _read(loaded: LoadedScenario, k: int, spec: Samples) -> Curves:
             among &= times >= spec.after
         if spec.before is not None:
             among &= times <= spec.before
-    held = np.zeros(len(among), dtype=np.bool_)
+    held = np.zeros(values.shape, dtype=np.bool_)
     if spec.hold_out is not None:
         held[np.flatnonzero(among)[spec.hold_out - 1 :: spec.hold_out]] = True
-    fitted = among & ~held
-    if not np.isfinite(values[fitted]).any():
+    if spec.markers is not None:
+        held[:, _predicted(loaded, (*path, "markers"), spec.markers)] = True
+    there = among[:, None] & np.isfinite(values)
+    fitted, held = there & ~held, there & held
+    if not fitted.any():
         raise loaded.error(path, f"no sample of {spec.file} is left to fit")
     deviation = None if spec.deviation is None else spec.deviation * factor
-    return Curves(spec, times, values, labels, deviation, fitted, held)
+    return Curves(spec, times, values, labels, deviation, among, fitted, held)
+
+
+def _predicted(loaded: LoadedScenario, path: KeyPath, markers: Markers) -> IntArray:
+    """Columns of markers that are kept out of the fit.
+
+    Raises:
+        ScenarioError: There is no such marker.
+    """
+    count, letters = count_of(markers), len(markers.columns)
+    for k, number in enumerate(markers.predicted):
+        if not markers.first <= number < markers.first + count:
+            last = markers.first + count - 1
+            message = f"markers are numbered from {markers.first} to {last}; there is no {number}"
+            raise loaded.error((*path, "predicted", k), message)
+    places = np.array(markers.predicted, dtype=np.int64) - markers.first
+    return np.asarray((places[:, None] * letters + np.arange(letters)).ravel())
 
 
 def _columns(loaded: LoadedScenario, path: KeyPath, spec: Samples) -> tuple[list[str | int], tuple[str, ...]]:
@@ -110,7 +131,7 @@ def _columns(loaded: LoadedScenario, path: KeyPath, spec: Samples) -> tuple[list
             raise loaded.error(
                 (*path, "columns", letter), "expected {i} where the number of the marker stands"
             )
-    count = len(markers.nodes or markers.arc or ())
+    count = count_of(markers)
     columns: list[str | int] = []
     labels = []
     for i in range(markers.first, markers.first + count):

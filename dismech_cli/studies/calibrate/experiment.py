@@ -20,6 +20,7 @@ from ...solve.integrators import Static
 from ...solve.linear.factors import FactorizationError
 from ...solve.sensitivity import NOWHERE, forward
 from ..gradient.acting import acting_of
+from ..gradient.nearby import Nearby, nearby
 from ..gradient.reading import Readings, states
 from ..gradient.run import (
     TapedRun,
@@ -32,7 +33,7 @@ from ..gradient.run import (
     why_not_after,
     why_not_by,
 )
-from ..gradient.setting import Nearby, Setting, nearby
+from ..gradient.setting import Setting
 from ..source import Source
 from .channel import Channel, Probed, points, sampling
 from .data import Curves
@@ -204,7 +205,7 @@ class Experiment:
         seen, still = states(run.simulation.start, run.steps), isinstance(run.simulation.integrator, Static)
         count = len(self.settings)
         if not count:
-            return [np.zeros((len(one.fitted), len(one.labels), 0)) for one in self.curves]
+            return [np.zeros((*one.values.shape, 0)) for one in self.curves]
         near = self._near(values, composition)
         model = differentiated(run, near, sweeper(self.loaded, run.simulation))
         channels = [self._channel(k, composition, near) for k in range(len(self.curves))]
@@ -232,12 +233,9 @@ class Experiment:
         key = values.tobytes()
         if key not in self._neighbours:
             source = self._source(values)
-            self._neighbours = {
-                key: [
-                    nearby(source, replace(setting, value=float(value)), composition.plan.kernels)
-                    for setting, value in zip(self.settings, values, strict=True)
-                ]
-            }
+            pairs = zip(self.settings, values, strict=True)
+            settings = [replace(setting, value=float(value)) for setting, value in pairs]
+            self._neighbours = {key: nearby(source, settings, composition)}
         return self._neighbours[key]
 
     def _file(self, key: bytes) -> Path:

@@ -8,6 +8,7 @@ from typing import Final
 from ...arrays import FloatArray
 from .data import Curves
 from .knobs import Knob
+from .parts import Part
 
 # Correlation from which two values are hardly told apart; squares per degree of freedom that are too many.
 _ALIKE: Final = 0.99
@@ -27,6 +28,7 @@ class Table:
         scale: Size of a metre in them, where they are of a picture; else 1.
         samples: How many are fitted.
         shown: What the fit gives in their places, shape (R, C).
+        parts: How each marker or probe of it is met.
     """
 
     curves: Curves
@@ -37,6 +39,7 @@ class Table:
     scale: float
     samples: int
     shown: FloatArray
+    parts: tuple[Part, ...]
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,7 +10,7 @@ import numpy as np
 from .. import page
 from ..source import Source
 from .fit import Fit, Table
-from .report import data_rows, parameter_rows
+from .report import data_rows, parameter_rows, part_rows
 
 # Columns of a table that are drawn: the first, the last and what lies evenly between.
 _DRAWN = 4
@@ -37,6 +37,8 @@ def _parts(fit: Fit) -> Iterator[str]:
     yield page.heading("Samples")
     rows = data_rows(fit)
     yield page.table(rows[0], rows[1:])
+    if len(parts := part_rows(fit)) > 1:
+        yield page.table(parts[0], parts[1:])
     if fit.doubts:
         yield page.heading("Doubts")
         for doubt in fit.doubts:
@@ -65,7 +67,14 @@ def _curves(one: Table, points: int) -> str:
     for panel, column in zip(panels, chosen, strict=True):
         values = curves.values[:, column]
         for rows, color, label in ((curves.fitted, 0, "fitted"), (curves.held, 1, "held out")):
-            panel.plot(t[rows], values[rows], ".", color=page.COLORS[color], markersize=4, label=label)
+            panel.plot(
+                t[rows[:, column]],
+                values[rows[:, column]],
+                ".",
+                color=page.COLORS[color],
+                markersize=4,
+                label=label,
+            )
         panel.plot(t, one.shown[:, column], color=page.INK, linewidth=1.2)
         panel.set_title(curves.labels[column], loc="left", fontsize=10, color=page.INK)
         panel.set_xlabel("t [s]", fontsize=9, color=page.INK)

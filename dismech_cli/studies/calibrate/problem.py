@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 from scipy.optimize import OptimizeResult, least_squares
 
-from ...arrays import BoolArray, FloatArray
+from ...arrays import FloatArray
 from ...errors import SolverError
 from ...output.durable import output_errors
 from ...scenario.load import LoadedScenario
@@ -89,7 +89,7 @@ class Problem:
             raise SolverError("the run from which the fit would start fails")
         for k in self.pictures:
             one = self.curves[k]
-            inner += camera.found(found.predicted[k][one.fitted], one.values[one.fitted]).tolist()
+            inner += camera.found(found.predicted[k], np.where(one.fitted, one.values, np.nan)).tolist()
         return np.array(inner)
 
     def solve(self, x: FloatArray) -> OptimizeResult:
@@ -147,17 +147,12 @@ class Problem:
             for one, curves, deviation in zip(shown, self.curves, self.deviations, strict=True)
         ]
 
-    def rows(self, k: int) -> BoolArray:
-        """Which samples of a table are fitted, shape (R, C)."""
-        one = self.curves[k]
-        return one.fitted[:, None] & np.isfinite(one.values)
-
     def _residual(self, x: FloatArray) -> FloatArray:
         left = self.left(x)
-        size = sum(int(self.rows(k).sum()) for k in range(len(self.curves))) + self.priors
+        size = sum(int(one.fitted.sum()) for one in self.curves) + self.priors
         if left is None:
             return np.full(size, np.nan)  # the step is shortened then
-        parts = [one[self.rows(k)] for k, one in enumerate(left)]
+        parts = [one[curves.fitted] for one, curves in zip(left, self.curves, strict=True)]
         residual = np.concatenate([*parts, self.prior(x)])
         self.evaluations += 1
         share = 0.5 * float(residual @ residual)
@@ -194,7 +189,7 @@ class Problem:
                 by_camera = camera.slopes(found.predicted[k])
                 by_all[:, :, at : at + camera.COUNT] = np.moveaxis(by_camera, 0, 2)
             by_all[:, :, :n] = moves
-            rows.append(by_all[self.rows(k)] / deviation)
+            rows.append(by_all[self.curves[k].fitted] / deviation)
         prior = np.zeros((self.priors, len(x)))
         known = [k for k, knob in enumerate(self.knobs) if np.isfinite(knob.deviation)]
         for row, k in enumerate(known):
@@ -212,7 +207,10 @@ def _deviation(one: Curves) -> float:
     """Standard deviation of the samples of a table, guessed where it is not given."""
     if one.deviation is not None:
         return one.deviation
-    return _GUESS * (float(np.nanmax(np.ptp(one.values[one.fitted], axis=0), initial=0.0)) or _size(one))
+    fitted = np.where(one.fitted, one.values, np.nan)
+    seen = one.fitted.any(axis=0)
+    ranges = np.nanmax(fitted[:, seen], axis=0) - np.nanmin(fitted[:, seen], axis=0)
+    return _GUESS * (float(ranges.max(initial=0.0)) or _size(one))
 
 
 def _size(one: Curves) -> float:

@@ -15,6 +15,8 @@ from .fit import Fit, Table
 from .knobs import Knob
 
 SCENARIO_FILE = "fitted.yaml"
+# Markers and probes that are told one by one.
+_PARTS = 40
 
 
 def write_report(folder: Path, source: Source, fit: Fit) -> None:
@@ -66,6 +68,16 @@ def as_json(fit: Fit) -> dict[str, Json]:
                 "worst": to_json(_shown(one, one.worst)),
                 "held_out_rms": to_json(_shown(one, one.held)) if isfinite(one.held) else None,
                 "scale": to_json(one.scale) if one.scale != 1.0 else None,
+                "parts": [
+                    {
+                        "name": part.name,
+                        "mean": _or_none(one, part.mean),
+                        "worst": _or_none(one, part.worst),
+                        "held_out_mean": _or_none(one, part.held),
+                        "held_out_worst": _or_none(one, part.worst_held),
+                    }
+                    for part in one.parts
+                ],
             }
             for one in fit.tables
         ],
@@ -81,6 +93,8 @@ def as_text(fit: Fit) -> str:
     """For people."""
     lines = _columns(parameter_rows(fit)) if fit.knobs else []
     lines += _columns(data_rows(fit))
+    if len(parts := part_rows(fit)) > 1:
+        lines += _columns(parts)
     lines.append(
         f"{fit.evaluations} evaluations, {fit.runs} runs; chi2/dof {fit.chi2:.3g}, "
         f"condition {fit.condition:.2g}"
@@ -94,6 +108,8 @@ def as_markdown(source: Source, fit: Fit) -> str:
     if fit.knobs:
         parts += [*_table(parameter_rows(fit)), ""]
     parts += [*_table(data_rows(fit)), ""]
+    if len(each := part_rows(fit)) > 1:
+        parts += [*_table(each), ""]
     parts.append(
         f"{fit.evaluations} evaluations, {fit.runs} runs. {fit.message} "
         f"Sum of squares per degree of freedom {fit.chi2:.4g}; condition number {fit.condition:.3g}."
@@ -144,16 +160,33 @@ def data_rows(fit: Fit) -> list[list[str]]:
     """How the samples are met, as a table, its head first."""
     rows = [["data", "samples", "rms left", "largest", "held out"]]
     for one in fit.tables:
-        unit = one.curves.spec.unit
-        shown = [one.fit, one.worst, one.held]
-        cells = [with_unit(f"{_shown(one, x):.4g}", unit) if isfinite(x) else "" for x in shown]
-        if one.scale != 1.0:
-            cells = [
-                f"{cell} ({1e3 * x / one.scale:.3g} mm)" if cell else ""
-                for cell, x in zip(cells, shown, strict=True)
-            ]
+        cells = [_told(one, x) for x in (one.fit, one.worst, one.held)]
         rows.append([one.curves.spec.file, str(one.samples), *cells])
     return rows
+
+
+def part_rows(fit: Fit) -> list[list[str]]:
+    """How each marker and probe is met, its head first; nothing below it where that is a long list."""
+    rows = [["each", "mean left", "largest", "predicted, mean", "largest"]]
+    parts = [(one, part) for one in fit.tables for part in one.parts]
+    if len(parts) > _PARTS:
+        return rows
+    for one, part in parts:
+        sizes = (part.mean, part.worst, part.held, part.worst_held)
+        rows.append([part.name, *(_told(one, x) for x in sizes)])
+    return rows
+
+
+def _told(one: Table, x: float) -> str:
+    """A size in the unit of its table, and in a picture in millimetres too; nothing for none."""
+    if not isfinite(x):
+        return ""
+    cell = with_unit(f"{_shown(one, x):.4g}", one.curves.spec.unit)
+    return f"{cell} ({1e3 * x / one.scale:.3g} mm)" if one.scale != 1.0 else cell
+
+
+def _or_none(one: Table, x: float) -> Json:
+    return to_json(_shown(one, x)) if isfinite(x) else None
 
 
 def _shown(one: Table, x: float) -> float:

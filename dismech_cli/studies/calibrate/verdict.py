@@ -10,6 +10,7 @@ from ...arrays import FloatArray, IntArray
 from . import camera
 from .fit import Fit, Table
 from .knobs import Knob
+from .parts import parted
 from .problem import Problem
 
 # Share of the strongest direction below which a direction of the parameters is not seen at all.
@@ -41,7 +42,7 @@ def judged(problem: Problem, x: FloatArray, jacobian: FloatArray, active: IntArr
     rows[: len(jacobian)] = jacobian * units
     _, strength, directions = np.linalg.svd(rows, full_matrices=False)
     seen = strength > _UNSEEN * strength[0]
-    fitted = np.concatenate([one[problem.rows(k)] for k, one in enumerate(left)])
+    fitted = np.concatenate([one[curves.fitted] for one, curves in zip(left, problem.curves, strict=True)])
     freedom = max(len(fitted) + problem.priors - len(x), 1)
     cost = np.concatenate((fitted, problem.prior(x)))
     chi2 = float(cost @ cost) / freedom
@@ -86,8 +87,8 @@ def _near_bound(knob: Knob, value: float) -> bool:
 
 def _table(problem: Problem, k: int, left: FloatArray, seen: FloatArray | None) -> Table:
     one, deviation = problem.curves[k], problem.deviations[k]
-    fitted = np.abs(left[problem.rows(k)]) * deviation
-    held = (left[one.held] * deviation)[np.isfinite(one.values[one.held])]
+    off = np.abs(left) * deviation
+    fitted, held = off[one.fitted], off[one.held]
     return Table(
         curves=one,
         deviation=deviation,
@@ -97,4 +98,5 @@ def _table(problem: Problem, k: int, left: FloatArray, seen: FloatArray | None) 
         scale=1.0 if seen is None else camera.scale(seen),
         samples=int(fitted.size),
         shown=one.values + left * deviation,
+        parts=parted(one, off),
     )

@@ -12,8 +12,8 @@ from ...model.state import State
 from ...run.simulation import Simulation
 from ...solve.commanded import Acting, nothing_acts
 from ...solve.neighbours import Variation
+from .nearby import Nearby
 from .reading import turned
-from .setting import Nearby
 
 
 def acting_of(simulation: Simulation, near: Sequence[Nearby]) -> Acting:

@@ -30,6 +30,7 @@ from ...units import KINDS
 from ...words import hint
 from ..source import Source
 from .acting import acting_of
+from .nearby import Nearby, nearby
 from .reading import Readings, Reduced, states
 from .run import (
     TapedRun,
@@ -43,7 +44,7 @@ from .run import (
     why_not_after,
     why_not_by,
 )
-from .setting import Nearby, Setting, expanded, nearby
+from .setting import Setting, expanded
 
 # Up to as many parameters forward sensitivities are used, which give more; beyond, the adjoint costs less.
 _MANY: Final = 30
@@ -142,7 +143,7 @@ def gradient(
     why = why_not(simulation) or _history(_spec(loaded, of))
     tick = time.perf_counter()
     exactly_asked = not why and method is not Method.DIFFERENCES
-    near = [nearby(source, one, composition.plan.kernels) for one in settings] if exactly_asked else []
+    near = nearby(source, settings, composition) if exactly_asked else []
     composing = time.perf_counter() - tick
     why = why or why_not_by(simulation, near)
     _refuse(method, why)

@@ -24,7 +24,7 @@ from ...solve.neighbours import CENTRAL, Variation
 from ...solve.step import Stepper
 from ...solve.tape import TapedStep
 from ...solve.trials import at
-from .setting import Nearby
+from .nearby import Nearby
 
 Probes = Sequence[Probe]
 
@@ -186,7 +186,7 @@ class Readings:
         )
 
     def _by_scene(self, k: int, state: State, residual: FloatArray) -> float:
-        if not self._others[k]:
+        if not self._others[k] or not self._near[k].counts(state.law_time):
             return 0.0
         seen = [np.asarray(eye.read(probe, state, residual)) for eye, probe in self._others[k]]
         return float(self._near[k].slope(seen))

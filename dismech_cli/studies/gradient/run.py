@@ -29,7 +29,7 @@ from ...solve.sensitivity import Differentiated
 from ...solve.sweep import LOOPS
 from ...solve.tape import THROUGH_STAGES, Tape, TapedStep
 from ..source import Source
-from .setting import Nearby
+from .nearby import Nearby
 
 # Derivatives are those of exact balances: what Newton's method may leave is no more than this share.
 _TOLERANCE = 1e-10

@@ -1,4 +1,4 @@
-"""A value of a scenario as a parameter: found by its key path, set to others near it."""
+"""A value of a scenario as a parameter: found by its key path."""
 
 from __future__ import annotations
 
@@ -7,16 +7,12 @@ from dataclasses import dataclass
 from math import isfinite
 from typing import Final
 
-from ...compose.compose import Composition, compose
 from ...errors import ScenarioError
-from ...run.simulation import Simulation
 from ...scenario.load import LoadedScenario, as_path
 from ...scenario.text.amount import Amount
 from ...scenario.text.tree import format_path
-from ...solve.neighbours import DIFFERENCES, Difference, Neighbours
 from ...units import Dimension
 from ...words import hint
-from ..source import Source
 
 # Step of the difference of the balance, of the value: curvature leaves its fourth power, rounding 1e-12.
 _STEP: Final = 1e-4
@@ -96,50 +92,3 @@ def expanded(loaded: LoadedScenario, text: str) -> tuple[str, ...]:
     if not found:
         raise ScenarioError(f"{text}: no value of the scenario has such a key path")
     return found
-
-
-@dataclass(frozen=True, slots=True)
-class Nearby:
-    """A scene at neighbouring values of a setting.
-
-    Attributes:
-        setting: The setting.
-        difference: Says at which values.
-        compositions: The scene there.
-    """
-
-    setting: Setting
-    difference: Difference
-    compositions: tuple[Composition, ...]
-
-    @property
-    def simulations(self) -> tuple[Simulation, ...]:
-        """What would be run there."""
-        return tuple(one.simulation for one in self.compositions)
-
-    @property
-    def neighbours(self) -> Neighbours:
-        """What the balance wants to know of them."""
-        models = tuple(one.model for one in self.simulations)
-        return Neighbours(
-            self.setting.step, self.difference, models, tuple(one.start for one in self.simulations)
-        )
-
-
-def nearby(source: Source, setting: Setting, kernels: str) -> Nearby:
-    """The scene at neighbouring values of a setting, on both sides of it where the language allows.
-
-    Raises:
-        ScenarioError: It cannot be composed on either side.
-    """
-    refused: ScenarioError | None = None
-    for difference in DIFFERENCES:
-        values = [setting.value + offset * setting.step for offset in difference.offsets]
-        try:
-            near = [compose(source.load(setting.to(value)), kernels) for value in values]
-        except ScenarioError as error:
-            refused = refused or error
-            continue
-        return Nearby(setting, difference, tuple(near))
-    assert refused is not None
-    raise ScenarioError(f"{setting.path} cannot vary: {refused}") from refused
