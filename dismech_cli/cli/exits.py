@@ -14,6 +14,7 @@ import typer
 
 from ..errors import DismechError, OutputError
 from ..session.exit_codes import Exit
+from ..session.garbage import search_postponed
 from .console import ClosedPipeError, Console, emit
 from .interruption import Interruption, interruptible
 
@@ -85,7 +86,7 @@ def exit_code(app: typer.Typer, arguments: Sequence[str] | None) -> int:
     """
     given = sys.argv[1:] if arguments is None else arguments
     try:
-        with interruptible():
+        with interruptible(), search_postponed():
             return app(args=arguments, prog_name="dismech", standalone_mode=False) or Exit.DONE
     except (ClosedPipeError, BrokenPipeError):
         return Exit.CLOSED_PIPE

@@ -11,6 +11,7 @@ from ..errors import ScenarioError
 from ..kernels.availability import numba_fault
 from ..scenario.load import LoadedScenario
 from ..words import listed
+from .garbage import search
 from .narrator import Narrator
 
 
@@ -33,6 +34,8 @@ def composed(
     Raises:
         ScenarioError: It cannot be composed, or there are no such kernels.
     """
+    # compiling makes much garbage, and so may large models
+    search()
     if kernels is not None and kernels not in DRIVERS:
         raise ScenarioError(f"unknown kernels {kernels!r}: expected {listed(DRIVERS)}")
     if kernels == "numba" and (fault := numba_fault()):
