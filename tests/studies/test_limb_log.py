@@ -54,15 +54,15 @@ def test_the_schedule_gives_what_it_was_made_for_and_predicts_the_tip(call: Any)
     predicted = 1e3 / tags["scale"] * np.array([part["held_out_mean"] for part in tags["parts"]])
     assert predicted[-1] == pytest.approx(3.4, abs=0.2)
     assert predicted.mean() == pytest.approx(1.80, abs=0.05)
-    # what the command says is what the frames say
+    # what the command says is what the frames say, whose balances are solved less exactly
     x = np.array([frame.positions[:, [0, 2]] for frame in simulate(SCENARIOS / "limb_log.yaml").frames[1:]])
     off = np.abs(curvatures(x) - LOG.curvatures).sum(axis=1)
-    assert together["worst"] == pytest.approx(off.max(), rel=1e-6)
-    assert together["mean"] == pytest.approx(off.mean(), rel=1e-6)
+    assert together["worst"] == pytest.approx(off.max(), rel=1e-5)
+    assert together["mean"] == pytest.approx(off.mean(), rel=1e-5)
     model, picture = marked(x), seen()
     factor, offset = posed(picture[::2], model[::2])
     far = 1e3 * np.abs(factor * model + offset - picture)[1::2].mean(axis=0) / abs(factor)
-    assert predicted == pytest.approx(far, rel=1e-6)
+    assert predicted == pytest.approx(far, rel=1e-5)
 
 
 @pytest.mark.slow
