@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..arrays import IntArray
+from ..arrays import FloatArray, IntArray
 from ..geometry.kernel import loop
 
 
@@ -34,14 +34,17 @@ def count_pairs(
     """
     cliques, size = dofs.shape
     n = 0
+    heads = np.empty(size, dtype=np.int64)
+    for k in range(size if cliques else 0):
+        here, last = dofs[0, k], dofs[0, max(k - 1, 0)]
+        # a clique that visits a block twice in a row begins it anew
+        if here <= last or block[here] != block[last]:
+            heads[n] = k
+            n += 1
     for s in range(cliques):
-        first, n = s * n, 0
-        for k in range(size):
-            here, last = dofs[0, k], dofs[0, max(k - 1, 0)]
-            # a clique that visits a block twice in a row begins it anew
-            if here <= last or block[here] != block[last]:
-                places[first + n] = start[dofs[s, k]]
-                n += 1
+        first = s * n
+        for i in range(n):
+            places[first + i] = start[dofs[s, heads[i]]]
         for i in range(n):
             for j in range(i, n):
                 one, other = places[first + i], places[first + j]
@@ -171,3 +174,16 @@ def merge(
                 break
     indptr[m] = found
     return found
+
+
+@loop
+def add_at(base: FloatArray, slots: IntArray, values: FloatArray) -> None:
+    """Add the values of a pattern to those of its extension.
+
+    Args:
+        base: Its values, shape (its slots,).
+        slots: Where they are in the extension, each once.
+        values: Added to.
+    """
+    for k in range(len(base)):
+        values[slots[k]] += base[k]

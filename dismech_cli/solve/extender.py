@@ -8,7 +8,7 @@ from typing import Any, Final, Protocol, TypeAlias
 
 import numpy as np
 
-from ..arrays import IntArray
+from ..arrays import FloatArray, IntArray
 from ..kernels.driver import Driver
 from ..kernels.linearization import Coupling
 from . import entry_loops
@@ -21,6 +21,7 @@ LOOPS: Final[tuple[_Loop, ...]] = (
     entry_loops.fill_pairs,
     entry_loops.spread_pairs,
     entry_loops.merge,
+    entry_loops.add_at,
 )
 """What :class:`CompiledExtender` is made of, after its blocks."""
 
@@ -34,6 +35,9 @@ class Extender(Protocol):
     def extended(self, entries: IntArray) -> Extension:
         """The pattern with more entries, given by their keys."""
 
+    def add_at(self, base: FloatArray, slots: IntArray, values: FloatArray) -> None:
+        """Add values of the pattern to those of an extension, at its ``base_slots``."""
+
 
 @dataclass(frozen=True, slots=True)
 class CompiledExtender:
@@ -46,6 +50,7 @@ class CompiledExtender:
         fill: See there.
         spread: See there.
         merge: See there.
+        add_at: See there.
     """
 
     base: SparsityPattern
@@ -54,6 +59,7 @@ class CompiledExtender:
     fill: _Loop
     spread: _Loop
     merge: _Loop
+    add_at: _Loop
 
     def entries(self, couplings: Iterable[Coupling]) -> IntArray:
         """Keys of all entries of cliques: the pairs of blocks in buckets by rows."""

@@ -98,7 +98,7 @@ class Overlay:
             values *= position
         if self.rubs:
             values += velocity * self._into.damping
-        values[self._extension.base_slots] += base
+        self._extender.add_at(base, self._extension.base_slots, values)
         return values
 
     def longest_step(self, start: Configuration, end: Configuration) -> float:

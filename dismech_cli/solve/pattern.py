@@ -157,6 +157,10 @@ class SparsityPattern:
         pattern = replace(self, keys=keys, indptr=indptr, indices=indices, diagonal=diagonal)
         return Extension(pattern, np.append(slots[: self.nnz], pattern.nnz), slots[self.nnz :], entries)
 
+    def add_at(self, base: FloatArray, slots: IntArray, values: FloatArray) -> None:
+        """Add values of this pattern to those of an extension, at its ``base_slots``."""
+        values[slots] += base
+
     def blocks(self) -> Blocks:
         """Blocks of free DOFs in matrix order."""
         m = max(self.m, 1)

@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
-import numpy as np
-
 from ..arrays import FloatArray
 from ..kinematics.rod_frames import FrameState
 from ..model.configuration import Configuration
@@ -34,7 +32,7 @@ def at(model: Model, state: State) -> Configuration:
 @dataclass(frozen=True, slots=True)
 class _Trial:
     stage: Stage
-    q: FloatArray
+    key: bytes
     stored: FrameState
     made: Configuration
 
@@ -49,12 +47,13 @@ class Trials:
 
     def trial(self, stage: Stage, q: FloatArray, stored: FrameState) -> Configuration:
         """See :func:`trial`."""
+        # the bytes: whoever asks goes on to change q
+        key = q.tobytes()
         for one in self._trials:
-            if one.stage is stage and one.stored is stored and np.array_equal(one.q, q):
+            if one.stage is stage and one.stored is stored and one.key == key:
                 return one.made
         made = trial(self._model, stage, q, stored)
-        # whoever asks goes on to change q
-        self._trials = [*self._trials[1 - _KEPT :], _Trial(stage, q.copy(), stored, made)]
+        self._trials = [*self._trials[1 - _KEPT :], _Trial(stage, key, stored, made)]
         return made
 
     def at(self, state: State) -> Configuration:
