@@ -12,6 +12,7 @@ from .allowed import PLAIN, Allowed
 from .limits import MAX_COORDINATE, check_count
 from .measure import area_vectors, edge_lengths, triangle_areas
 from .mesh import Mesh
+from .suspects import SKEW, suspects
 from .topology.components import components
 from .topology.orient import reverse, reversed_triangles
 from .topology.pinched import pinched_nodes
@@ -26,9 +27,6 @@ AREA_TOLERANCE = 1e-14
 
 FOLD_TOLERANCE = 1e-10
 """Neighbours are folded flat when 1 + cos(angle between normals) is below this: 1.4e-5 rad."""
-
-# Unit vector along no edge, plane or diagonal of a regular grid.
-_SKEW = np.sqrt((2.0, 3.0, 5.0)) / np.sqrt(10.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -150,24 +148,19 @@ def _coincident(unit: FloatArray) -> IntArray:
         # A search tree degenerates on many equal points; sorting does not.
         return np.sort(np.stack([order[:-1][same], order[1:][same]], axis=1), axis=1)
 
-    # What lies together also lies together in its projection on any line, and nodes in general do not:
-    # a sort replaces the search tree, whose import alone takes a third of a second.
-    along = unit @ _SKEW
-    order = np.argsort(along)
-    gap = np.diff(along[order]) <= 2.0 * LENGTH_TOLERANCE
-    suspects = order[np.append(gap, False) | np.insert(gap, 0, False)]
-    if not suspects.size:
+    asked = suspects(unit, LENGTH_TOLERANCE)
+    if not asked.size:
         return np.empty((0, 2), dtype=np.int64)
 
     from scipy.spatial import cKDTree
 
     # Two neighbours each, the node itself among them: all pairs could be very many.
-    points = unit[suspects]
+    points = unit[asked]
     distance, neighbour = cKDTree(points).query(points, k=2, distance_upper_bound=LENGTH_TOLERANCE)
     close = np.flatnonzero(np.isfinite(np.asarray(distance)[:, 1]))
     near = np.asarray(neighbour)[close]
     other = np.where(near[:, 0] == close, near[:, 1], near[:, 0])
-    return np.unique(np.sort(suspects[np.stack([close, other], axis=1)], axis=1), axis=0)
+    return np.unique(np.sort(asked[np.stack([close, other], axis=1)], axis=1), axis=0)
 
 
 def _check_edges(edges: IntArray, unit: FloatArray, where: str, at: IntArray | None) -> None:
@@ -187,7 +180,7 @@ def _folded_back(edges: IntArray, unit: FloatArray) -> BoolArray:
     away = unit[end] - unit[start]
     away /= np.linalg.norm(away, axis=1, keepdims=True)
     # Edges that leave a node alike also lie next to each other along a line: no need for all pairs.
-    order = np.lexsort((away @ _SKEW, start))
+    order = np.lexsort((away @ SKEW, start))
     one, two = order[:-1], order[1:]
     alike = np.einsum("ij,ij->i", away[one], away[two]) > 1.0 - FOLD_TOLERANCE
     folded = np.zeros(len(edges), dtype=np.bool_)

@@ -9,6 +9,7 @@ import numpy as np
 
 from ...arrays import FloatArray, IntArray
 from ...mesh.measure import corner_angles
+from ...mesh.suspects import suspects
 from ...scenario.language.motion import Clamp
 from ...scenario.language.numerics import Static
 from ..scene import Scene
@@ -111,12 +112,13 @@ def _touching(scene: Scene) -> Iterator[str]:
     geometry = scene.geometry
     if len(geometry.body_nodes) < 2:
         return
+    near = _SAME_PLACE * float(np.ptp(geometry.nodes, axis=0).max())
+    asked = suspects(geometry.nodes, near)
+    if not len(asked):
+        return
     from scipy.spatial import KDTree
 
-    size = float(np.ptp(geometry.nodes, axis=0).max())
-    pairs = KDTree(geometry.nodes).query_pairs(_SAME_PLACE * size, output_type="ndarray")
-    if not len(pairs):
-        return
+    pairs = asked[KDTree(geometry.nodes[asked]).query_pairs(near, output_type="ndarray")]
     for one, two in combinations(geometry.body_nodes, 2):
         a, b = geometry.body_nodes[one], geometry.body_nodes[two]
         here = (np.isin(pairs, a).any(axis=1) & np.isin(pairs, b).any(axis=1)).sum()

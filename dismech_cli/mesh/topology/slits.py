@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...arrays import BoolArray, FloatArray, IntArray
+from ..suspects import suspects
 
 _SAME_PLACE = 1e-9
 """Of the size of a surface: places nearer than this are one."""
@@ -17,14 +18,17 @@ def on_each_other(nodes: FloatArray, sides: IntArray) -> BoolArray:
         nodes: Positions [m], shape (N, 3).
         sides: Node indices, shape (K, 2).
     """
-    from scipy.spatial import cKDTree
-
     if not len(sides):
         return np.zeros(0, dtype=np.bool_)
     used, index = np.unique(sides, return_inverse=True)
     points = nodes[used]
     near = _SAME_PLACE * float(np.ptp(points, axis=0).max())
-    pairs = cKDTree(points).query_pairs(near, output_type="ndarray")
+    asked = suspects(points, near)
+    if not len(asked):
+        return np.zeros(len(sides), dtype=np.bool_)
+    from scipy.spatial import cKDTree
+
+    pairs = asked[np.sort(cKDTree(points[asked]).query_pairs(near, output_type="ndarray"), axis=1)]
     place = np.arange(len(used))
     # The lowest node at a place stands for all.
     np.minimum.at(place, pairs[:, 1], pairs[:, 0])
