@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import sys
+from collections.abc import Mapping
+from types import ModuleType
 from typing import Annotated, Any
 
 import typer
@@ -37,14 +39,27 @@ _HELP = """Simulate slender soft robots made of rods, in batch.
   dismech render results/...        video, pictures, diagrams
 """
 
-app = typer.Typer(
-    name="dismech",
-    help=_HELP,
-    no_args_is_help=True,
-    rich_markup_mode=None,
-    pretty_exceptions_enable=False,
-    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110},
-)
+_COMMANDS: Mapping[str, ModuleType] = {
+    module.__name__.rpartition(".")[2]: module
+    for module in (
+        run,
+        check,
+        explain,
+        resume,
+        study,
+        sweep,
+        compare,
+        render,
+        report,
+        export,
+        gradient,
+        calibrate,
+        init,
+        examples,
+        schema,
+        doctor,
+    )
+}
 
 
 def _show_version(wanted: bool) -> None:
@@ -53,7 +68,6 @@ def _show_version(wanted: bool) -> None:
         raise typer.Exit
 
 
-@app.callback()
 def _root(
     version: Annotated[
         bool, typer.Option("--version", callback=_show_version, is_eager=True, help="Show the version.")
@@ -62,28 +76,26 @@ def _root(
     """Options of the program itself."""
 
 
-def _add(command: Callable[..., int], name: str, summary: str, examples: str) -> None:
-    """Register a subcommand whose help leads with examples."""
-    lines = "\n".join(f"  {line.strip()}" for line in examples.strip().splitlines())
-    app.command(name, help=f"{summary}\n\n\b\n{lines}", short_help=summary)(command)
+def _program(commands: Mapping[str, ModuleType]) -> typer.Typer:
+    """The program with some subcommands, each of which has help that leads with examples."""
+    made = typer.Typer(
+        name="dismech",
+        help=_HELP,
+        no_args_is_help=True,
+        rich_markup_mode=None,
+        pretty_exceptions_enable=False,
+        context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110},
+    )
+    made.callback()(_root)
+    for name, module in commands.items():
+        lines = "\n".join(f"  {line.strip()}" for line in module.EXAMPLES.strip().splitlines())
+        made.command(name, help=f"{module.SUMMARY}\n\n\b\n{lines}", short_help=module.SUMMARY)(
+            getattr(module, name)
+        )
+    return made
 
 
-_add(run.run, "run", run.SUMMARY, run.EXAMPLES)
-_add(check.check, "check", check.SUMMARY, check.EXAMPLES)
-_add(explain.explain, "explain", explain.SUMMARY, explain.EXAMPLES)
-_add(resume.resume, "resume", resume.SUMMARY, resume.EXAMPLES)
-_add(study.study, "study", study.SUMMARY, study.EXAMPLES)
-_add(sweep.sweep, "sweep", sweep.SUMMARY, sweep.EXAMPLES)
-_add(compare.compare, "compare", compare.SUMMARY, compare.EXAMPLES)
-_add(render.render, "render", render.SUMMARY, render.EXAMPLES)
-_add(report.report, "report", report.SUMMARY, report.EXAMPLES)
-_add(export.export, "export", export.SUMMARY, export.EXAMPLES)
-_add(gradient.gradient, "gradient", gradient.SUMMARY, gradient.EXAMPLES)
-_add(calibrate.calibrate, "calibrate", calibrate.SUMMARY, calibrate.EXAMPLES)
-_add(init.init, "init", init.SUMMARY, init.EXAMPLES)
-_add(examples.examples, "examples", examples.SUMMARY, examples.EXAMPLES)
-_add(schema.schema, "schema", schema.SUMMARY, schema.EXAMPLES)
-_add(doctor.doctor, "doctor", doctor.SUMMARY, doctor.EXAMPLES)
+app = _program(_COMMANDS)
 
 
 def main(arguments: list[str] | None = None) -> Any:
@@ -92,4 +104,6 @@ def main(arguments: list[str] | None = None) -> Any:
     Args:
         arguments: The command line without the program name; None takes that of the process.
     """
-    leave(app, arguments)
+    name = next(iter(sys.argv[1:] if arguments is None else arguments), "")
+    # reading the options of all commands takes longer than reading a scenario
+    leave(_program({name: _COMMANDS[name]}) if name in _COMMANDS else app, arguments)

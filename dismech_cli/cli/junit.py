@@ -16,7 +16,7 @@ from ..output.durable import write_bytes
 from ..session.exit_codes import Exit
 
 if TYPE_CHECKING:
-    from ..session.drawing import Finished
+    from ..session.conduct import Finished
     from ..studies.sweep.sweep import Swept
 
 

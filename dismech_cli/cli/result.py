@@ -5,7 +5,7 @@ from __future__ import annotations
 from ..output.jsonable import Json, dumps
 from ..output.manifest import Manifest
 from ..quantities import with_unit
-from ..session.drawing import Finished
+from ..session.conduct import Finished
 from ..session.faults import fault
 from ..session.verdicts import Verdict
 from .console import QUIET, emit

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
+from importlib.metadata import version
 from importlib.util import find_spec
 
 _HINT = "pip install 'dismech[fast]'"
@@ -21,6 +22,16 @@ class NumbaFault:
 
     text: str
     broken: bool
+
+
+@cache
+def numba_version() -> str:
+    """From its record: Numba is not imported to say what it would compile.
+
+    Raises:
+        PackageNotFoundError: It is not installed.
+    """
+    return version("numba")
 
 
 @cache

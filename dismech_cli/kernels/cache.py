@@ -15,10 +15,11 @@ import sys
 import tempfile
 import warnings
 from functools import cache
-from importlib.metadata import version
 from pathlib import Path
 
 from platformdirs import user_cache_path
+
+from .availability import numba_version
 
 
 def cache_folder() -> Path:
@@ -34,7 +35,7 @@ def cache_folder() -> Path:
     """
     chosen = os.environ.get("DISMECH_CACHE")
     base = Path(chosen) / "dismech" if chosen else user_cache_path("dismech", appauthor=False)
-    return _trusted(base.absolute() / "kernels" / f"numba-{version('numba')}-{sys.implementation.cache_tag}")
+    return _trusted(base.absolute() / "kernels" / f"numba-{numba_version()}-{sys.implementation.cache_tag}")
 
 
 @cache

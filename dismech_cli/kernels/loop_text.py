@@ -7,9 +7,9 @@ import platform
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
-from importlib.metadata import version
 from typing import Any, Final
 
+from .availability import numba_version
 from .fingerprint import fingerprint
 from .numba_source import call_source, drag_source, load_source, map_source, rate_source, stencil_source
 from .shape import DragKernel, Kernel, LoadKernel, RateKernel
@@ -36,8 +36,7 @@ class LoopText:
     def of(cls, function: Callable[..., Any], kind: str, text: str, main: str) -> LoopText:
         """Name the text of a kernel's loops."""
         digest = hashlib.sha256(text.encode())
-        # the version from its record: Numba is not imported to say what it would compile
-        for part in (fingerprint(function), *FASTMATH, version("numba"), platform.python_version()):
+        for part in (fingerprint(function), *FASTMATH, numba_version(), platform.python_version()):
             digest.update(part.encode())
         room = function.__module__.rpartition(".")[2]
         return cls(f"{room}_{function.__name__}_{kind}_{digest.hexdigest()[:16]}", text, main)

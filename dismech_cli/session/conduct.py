@@ -69,6 +69,19 @@ class Record:
     outcome: Outcome | None = None
 
 
+@dataclass(frozen=True, slots=True)
+class Finished:
+    """A run after all that was asked for.
+
+    Attributes:
+        record: The run as recorded.
+        pictures: Files drawn.
+    """
+
+    record: Record
+    pictures: tuple[Path, ...] = ()
+
+
 def conduct(session: Session, stop: StopRequest) -> Record:
     """Step to the end, a failure or an interruption, and record it.
 

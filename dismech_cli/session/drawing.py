@@ -17,7 +17,7 @@ from ..render.settings import Format
 from ..scenario.language.render import Render
 from ..scenario.load import LoadedScenario
 from .computing import computed_field
-from .conduct import Record
+from .conduct import Finished, Record
 from .log import Logged
 from .narrator import Narrator
 from .phases import added
@@ -39,19 +39,6 @@ class Wishes:
     color_by: str | None = None
     format: Format | None = None
     output: Path | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class Finished:
-    """A run after all that was asked for.
-
-    Attributes:
-        record: The run as recorded.
-        pictures: Files drawn.
-    """
-
-    record: Record
-    pictures: tuple[Path, ...] = ()
 
 
 def draw_asked(record: Record, asked: Render, narrator: Narrator) -> Finished:

@@ -19,8 +19,7 @@ from ..run.recorder import Checkpoint, Stored, discard, load_checkpoint, load_op
 from ..scenario.load import LoadedScenario, load
 from .changing import asked, keep, moved
 from .composing import composed
-from .conduct import Record, Session, conduct
-from .drawing import Finished, draw_asked
+from .conduct import Finished, Record, Session, conduct
 from .ending import Ending
 from .exit_codes import Exit
 from .inputs import gather_inputs, refuse_other, refuse_other_plugins, stored_inputs
@@ -116,7 +115,11 @@ def proceed(
             narrator=logged,
         )
         record = conduct(session, stop)
-    return draw_asked(record, later.scenario.output.render, narrator) if draw else Finished(record)
+    if not draw:
+        return Finished(record)
+    from .drawing import draw_asked
+
+    return draw_asked(record, later.scenario.output.render, narrator)
 
 
 def _scenario(run_dir: Path) -> LoadedScenario:

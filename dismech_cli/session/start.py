@@ -12,7 +12,7 @@ from ..output import run_directory
 from ..run.interrupt import stop_on_signals
 from ..scenario.load import LoadedScenario, load
 from .composing import composed, tell_doubts
-from .drawing import Finished, draw_asked
+from .conduct import Finished
 from .inputs import gather_inputs
 from .loops import doubtful_loops, nominal_step
 from .narrator import Narrator
@@ -90,7 +90,11 @@ def start(request: Start, narrator: Narrator) -> Finished:
     run_dir = _directory(request, loaded)
     with stop_on_signals() as stop:
         done = record(prepared, run_dir, stop, narrator)
-    return draw_asked(done, loaded.scenario.output.render, narrator) if request.draw else Finished(done)
+    if not request.draw:
+        return Finished(done)
+    from .drawing import draw_asked
+
+    return draw_asked(done, loaded.scenario.output.render, narrator)
 
 
 def _directory(request: Start, loaded: LoadedScenario) -> Path:
