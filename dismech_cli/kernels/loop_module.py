@@ -12,6 +12,7 @@ from typing import Any
 
 from ..geometry.kernel import marked_kernels
 from .cache import cache_folder, temporary_folder
+from .kept_code import read_alone
 from .loop_text import FASTMATH, LoopText
 from .numba_source import not_kept
 
@@ -111,6 +112,7 @@ def _executed(name: str, text: str, path: Path) -> ModuleType:
     # code loaded from Numba's cache looks its module up by name
     sys.modules[module.__name__] = module
     exec(compile(text, path, "exec"), vars(module))
+    read_alone(module)
     return module
 
 
