@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from math import inf
 from pathlib import Path
 from typing import Final
 
 from ...errors import ScenarioError
+from ...kernels.availability import numba_fault
 from ...output.durable import output_errors, write_bytes
 from ...output.jsonable import dumps
 from ...run.interrupt import stop_on_signals
@@ -86,7 +87,7 @@ def study(request: Request, narrator: Narrator) -> Studied:
         )
     yardstick = Yardstick(quantities, loaded.scenario.numerics.t_end or 1.0)
     with stop_on_signals() as stop:
-        made = partial(measure, request.base, quantities=quantities, stop=stop)
+        made = partial(measure, _compiled(request.base, loaded), quantities=quantities, stop=stop)
 
         def told(settings: tuple[Setting, ...], price: float) -> Point:
             point = made(settings, price=price)
@@ -113,6 +114,16 @@ def study(request: Request, narrator: Narrator) -> Studied:
     )
     _write(studied)
     return studied
+
+
+def _compiled(base: Base, loaded: LoadedScenario) -> Base:
+    """The scenario with compiled kernels for all of its points.
+
+    Each of them would choose for itself, by its whole time: then the steps of longer runs cost less.
+    """
+    if loaded.scenario.numerics.kernels != "auto" or numba_fault():
+        return base
+    return replace(base, overrides=(*base.overrides, "numerics.kernels=numba"))
 
 
 def _missing(loaded: LoadedScenario, space: Space) -> tuple[str, ...]:
