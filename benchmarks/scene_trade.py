@@ -48,6 +48,7 @@ class Run:
         factor: Its step in units of that of the scene.
         error: Largest root mean square distance of nodes as a share of the largest motion; None if unknown.
         cpu: CPU time of its steps [s].
+        doubts: How many things make it doubtful.
     """
 
     integrator: str
@@ -59,6 +60,7 @@ class Run:
     iterations: int
     cuts: int
     memory: float | None
+    doubts: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,9 +97,10 @@ class Trade:
         return min(good, key=_price, default=None)
 
     def _robust(self, run: Run, allowed: float) -> bool:
-        """Whether a run and all with finer steps are good enough."""
+        """Whether a run and all with finer steps are good enough, and it no more doubtful than the scene."""
         finer = [one for one in self.runs if one.integrator == run.integrator and one.factor <= run.factor]
-        return all(one.error is not None and one.error <= allowed for one in finer)
+        sound = run.doubts <= self.normal.doubts
+        return sound and all(one.error is not None and one.error <= allowed for one in finer)
 
     def profile(self, run: Run) -> dict[str, object]:
         """What a profile sets for a run: all, since a scene that includes another has its profiles too."""
@@ -174,6 +177,7 @@ def _run(row: Row, integrator: str, dt: float) -> Run:
         iterations=point.iterations,
         cuts=point.cuts,
         memory=float(f"{point.memory:.3g}") if point.memory > 0.0 else None,
+        doubts=len(point.doubts),
     )
 
 
@@ -228,7 +232,9 @@ def _cell(trade: Trade, run: Run) -> str:
 
 
 def _share(error: float | None) -> str:
-    return "unknown" if error is None else f"{100.0 * error:.2g} %"
+    if error is None:
+        return "unknown"
+    return f"{100.0 * error:.2g} %" if error < 1.0 else "over 100 %"
 
 
 def _seconds(cpu: float | None) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -28,6 +29,13 @@ FILES = sorted(FOLDER.glob("*.json"))
 def run(integrator: str, factor: float, error: float | None, cpu: float) -> Run:
     counts = {"steps": 1, "iterations": 1, "cuts": 0, "memory": None}
     return Run(integrator=integrator, factor=factor, status="done", error=error, cpu=cpu, **counts)
+
+
+def test_a_run_more_doubtful_than_the_scene_is_no_draft() -> None:
+    doubtful = replace(run("implicit_euler", 4.0, 0.01, 1.0), doubts=1)
+    finer = [run("implicit_euler", 2.0, 0.01, 2.0), run("implicit_euler", 1.0, 0.01, 4.0)]
+    assert trade(doubtful, *finer).draft.factor == 2.0
+    assert trade(doubtful, *(replace(one, doubts=1) for one in finer)).draft.factor == 4.0
 
 
 def trade(*runs: Run) -> Trade:

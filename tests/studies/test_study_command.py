@@ -189,3 +189,15 @@ def test_memory_is_in_the_table(call: Call, tmp_path: Path) -> None:
     memory = [one["memory [MB]"] for one in found["points"]]
     # imports alone take tens of megabytes; where the system does not tell, there is none
     assert all(one is None or 20 < one < 4000 for one in memory)
+
+
+def test_an_answer_that_is_doubtful_says_why(call: Call, tmp_path: Path) -> None:
+    """A rod that its weight stretches by a quarter, beyond what its linear law is good for."""
+    soft = given_section(axial=0.04, bending_1=0.5)
+    down = [{"type": "gravity", "acceleration": [1.0, 0.0, 0.0]}]
+    deck = DECK | rod_deck(line(9), soft, **{key: DECK[key] for key in ("motions", "numerics", "output")})
+    over = ("--over", "numerics.dt=0.02 s:3", "--target", "50%", "--quantity", "shape")
+    code, found = _studied(call, tmp_path, *over, deck=deck | {"forces": down})
+    assert code == 0
+    assert all(one["doubts"] for one in found["points"])
+    assert f"that run is doubtful: {found['points'][0]['doubts'][0]}" in found["message"]

@@ -43,6 +43,7 @@ class Point:
         settings: What it set.
         status: ``done``, or why it is unstable here: ``failed``, ``cuts``, ``cpu``.
         message: Why, in words.
+        doubts: What makes a run doubtful that came to its end, a line each.
         cpu: CPU time of its steps but the first, in which kernels are compiled [s].
         steps: How many.
         iterations: Newton iterations.
@@ -65,6 +66,7 @@ class Point:
     order: int
     t_end: float
     memory: float = nan
+    doubts: tuple[str, ...] = ()
     courses: Courses = field(repr=False)
 
     @property
@@ -184,6 +186,7 @@ def measure(
         order=simulation.integrator.order,
         t_end=simulation.control.t_end,
         memory=peak_memory(),
+        doubts=outcome.doubts,
         courses={name: (outcome.times, values) for name, values in outcome.watched.items()}
         | {name: watch.shapes for name in shapes},
     )

@@ -77,7 +77,11 @@ class Studied:
             f"{name} not known, none finer was tried" if name in self.missing else f"{name} {share:.2g}"
             for name, share in shares.items()
         )
-        return f"error {one.error:.2g} ({told}) for {one.point.cpu:.2g} CPU s: {set_line(one.point.settings)}"
+        doubts = "".join(f"\nthat run is doubtful: {doubt}" for doubt in one.point.doubts)
+        return (
+            f"error {one.error:.2g} ({told}) for {one.point.cpu:.2g} CPU s: {set_line(one.point.settings)}"
+            f"{doubts}"
+        )
 
 
 def set_line(settings: Sequence[Setting]) -> str:

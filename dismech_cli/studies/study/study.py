@@ -162,7 +162,10 @@ def _rows(runs: Runs) -> tuple[Row, ...]:
 def _line(point: Point) -> str:
     if not point.stable:
         return f"{point.label}: unstable here ({point.status}: {point.message})"
-    return f"{point.label}: {point.steps} steps, {point.iterations} iterations, {point.cpu:.2g} CPU s"
+    doubtful = ", doubtful" if point.doubts else ""
+    return (
+        f"{point.label}: {point.steps} steps, {point.iterations} iterations, {point.cpu:.2g} CPU s{doubtful}"
+    )
 
 
 def _write(studied: Studied) -> None:

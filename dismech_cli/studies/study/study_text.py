@@ -36,7 +36,7 @@ def as_json(studied: Studied) -> dict[str, Json]:
 def _point(row: Row) -> Json:
     values = dict(zip(("settings", *COLUMNS[1:]), cells(row), strict=True))
     values["settings"] = dict(row.point.settings)
-    return to_json(values | {"message": row.point.message})
+    return to_json(values | {"message": row.point.message, "doubts": list(row.point.doubts)})
 
 
 def _found(one: Found) -> Json:
