@@ -164,7 +164,7 @@ class Contact(Spec):
         description="Who may touch whom; default: every body every other, itself and every obstacle.",
     )
     law: Law = Field(
-        default=PenaltyLaw(), description="How they push each other apart; `penalty` without a `type`."
+        default=PenaltyLaw.unsaid(), description="How they push each other apart; `penalty` without a `type`."
     )
     friction: FrictionLaw | None = Field(default=None, description="How they rub; default: not at all.")
 

@@ -121,7 +121,7 @@ _TARGET = Field(
     description="What the strain shall be: a law, the strains of a shape ([ShapeTarget](#shapetarget)), a "
     "course for each place ([EachTarget](#eachtarget)) or what another run did ([RunTarget](#runtarget))."
 )
-_LIMITS = Field(default=ControlLimits(), description="What the actuator can do.")
+_LIMITS = Field(default=ControlLimits.unsaid(), description="What the actuator can do.")
 _PERIOD = Field(
     description="Time between samples; where it is no multiple of dt, steps end at the samples all the same."
 )

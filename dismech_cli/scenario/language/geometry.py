@@ -99,7 +99,7 @@ class Rod(Spec):
     bending: Literal["auto", "isotropic", "framed"] = Field(
         default="auto", description="Bending model; `auto` takes the cheapest that gives the same answer."
     )
-    natural: NaturalStrain = Field(default=NaturalStrain(), description="Natural strains.")
+    natural: NaturalStrain = Field(default=NaturalStrain.unsaid(), description="Natural strains.")
 
     @model_validator(mode="after")
     def _sound(self) -> Rod:
@@ -187,7 +187,7 @@ class Shell(Spec):
         "equilateral triangles, or `weighted` by length^2 over the area of both triangles, which is no plate "
         "on other nets either.",
     )
-    natural: NaturalShape = Field(default=NaturalShape(), description="Shape without bending.")
+    natural: NaturalShape = Field(default=NaturalShape.unsaid(), description="Shape without bending.")
 
     @model_validator(mode="after")
     def _sound(self) -> Shell:

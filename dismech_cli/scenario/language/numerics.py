@@ -160,7 +160,7 @@ class Numerics(Spec):
     model_config = ConfigDict(json_schema_extra={"allOf": [_STATIC_HAS_NO_TIME]})
 
     integrator: Integrator = Field(
-        default=TrBdf2(type="tr_bdf2"),
+        default=TrBdf2.unsaid(type="tr_bdf2"),
         description="Time integrator; in scenes with `contact` by default `generalized_alpha` with "
         "`spectral_radius: 0`, and with a barrier `implicit_euler`.",
     )
@@ -170,8 +170,8 @@ class Numerics(Spec):
         "and that after every jump of a law; default: `t_end` / 1000.",
     )
     t_end: PositiveTime | None = Field(default=None, description="End of the run; required unless static.")
-    newton: Newton = Field(default=Newton(), description="Nonlinear solver.")
-    step: Step = Field(default=Step(), description="Step control.")
+    newton: Newton = Field(default=Newton.unsaid(), description="Nonlinear solver.")
+    step: Step = Field(default=Step.unsaid(), description="Step control.")
     linear_solver: Literal["auto", "banded", "pardiso", "superlu", "dense"] = Field(
         default="auto", description="Linear solver; `auto` takes the fastest for the model."
     )

@@ -29,7 +29,7 @@ class Output(Spec):
         default=("hdf5", "csv"), description="File formats."
     )
     probes: dict[Name, Probe] = Field(default={}, description="Extra columns of scalars.csv, by name.")
-    render: Render = Field(default=Render(), description="Pictures.")
+    render: Render = Field(default=Render.unsaid(), description="Pictures.")
 
     @field_validator("fields", "writers")
     @classmethod

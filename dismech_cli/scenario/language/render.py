@@ -121,7 +121,7 @@ class Render(Spec):
         " to films of some 4 s, runs over 120 s hastened, and the film says so.",
     )
     camera: Annotated[Camera, TextToo()] = Field(
-        default=Camera(), description="`fixed` frames all that is shown, `tracking` follows the robot."
+        default=Camera.unsaid(), description="`fixed` frames all that is shown, `tracking` follows the robot."
     )
     ground: Literal["none", "grid", "floor"] = Field(
         default="none",

@@ -98,7 +98,7 @@ class Scenario(Spec):
         default=None, description="A small deviation of the shape of the bodies; default: none."
     )
     numerics: Numerics = Field(description="Time stepping and solvers.")
-    output: Output = Field(default=Output(), description="Results.")
+    output: Output = Field(default=Output.unsaid(), description="Results.")
     expect: dict[Name, Expectation] = Field(
         default={}, description="Numbers that the run must give, by name."
     )

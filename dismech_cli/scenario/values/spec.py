@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Self, cast
 
 from pydantic import BaseModel, ConfigDict, Discriminator
 from pydantic_core import PydanticCustomError
@@ -23,6 +23,15 @@ class Spec(BaseModel):
         # most classes are only parts of the scenario: compiled with it, not each by itself
         defer_build=True,
     )
+
+    @classmethod
+    def unsaid(cls, **known: Any) -> Self:
+        """What it is if nothing is said: no class has to be compiled by itself for that.
+
+        Args:
+            **known: Values that are right, such as the word that tells it from others.
+        """
+        return cast("Self", cls.model_construct(**known))
 
 
 def tag(key: str) -> str:
