@@ -19,8 +19,8 @@ from ..price import Work
 from ..scene import Scene
 from .plan import Bending, Decision, Plan
 
-# Measured on one core of 2.5 GHz [s]: to import Numba and load what it kept; to compile a module of loops.
-_LOADING, _COMPILING = 0.8, 1.3
+# Measured on one core of 2.5 GHz [s]: to import Numba and read what it kept; to compile a module of loops.
+_LOADING, _COMPILING = 0.6, 1.3
 # Loops stay compiled for the runs that follow: they need not repay in one.
 _RUNS: Final = 10.0
 
