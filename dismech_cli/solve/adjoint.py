@@ -118,14 +118,13 @@ def _to_holds(
     model: Differentiated, held: Held, solved: SolvedStage, by_held: FloatArray, gradient: FloatArray
 ) -> None:
     """Add what is owed to parameters by where held DOFs are, given what is owed to that, shape (K,)."""
-    moving = [k for k, one in enumerate(model.parameters) if one.moves] if held.dofs.size else []
-    if not moving:
+    if not model.moving or not held.dofs.size:
         return
     still = np.zeros_like(solved.q)
     since = Since(solved.since, solved.before, solved.stored)
     turnless = tuple(np.zeros(len(edges.angles)) for edges in model.edges)
-    for k in moving:
-        law = model.parameters[k].of_holds(held.dofs, solved.stage.t_end, since, still, turnless)
+    for k, one in model.moving:
+        law = one.of_holds(held.dofs, solved.stage.t_end, since, still, turnless)
         gradient[k] += by_held @ law
 
 

@@ -55,6 +55,7 @@ class Carried:
         # (row, component of an end), shape (2, 3, K); and (component, component), (2, 2, 3, 3, E)
         holonomy = pattern.slots_of(rows[None, None], ends[:, :, self._edge])
         moment = pattern.slots_of(ends[:, None, :, None], ends[None, :, None, :])
+        self._places = (self._by_angle, self._edge, holonomy, moment)
         # what each slot gets: of the turned entries (3, K), and of half the moments along the edges (3, E)
         many = len(self._by_angle)
         into = [holonomy.ravel()]
@@ -88,7 +89,7 @@ class Carried:
             c: The trial point.
         """
         if self._mend is not None:
-            edges, sums = self._edges, self._sums
+            edges = self._edges
             self._mend(
                 stiffness,
                 np.empty(0) if damping is None else damping,
@@ -97,9 +98,7 @@ class Carried:
                 (edges.heads, edges.tails, edges.angles),
                 c.v,
                 (holonomy.after, holonomy.edge, holonomy.length),
-                self._by_angle,
-                self._edge,
-                (self._slots, sums.indptr, sums.data, sums.indices),
+                self._places,
             )
             return
         turned = holonomy.after.take(self._edge, axis=1)

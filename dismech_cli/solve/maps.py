@@ -23,23 +23,25 @@ class Maps:
             to q, v, a of the start of the step, then of the latest stage, shape (5, 6).
         numbers: Weights of position, velocity and acceleration, slopes of velocity and acceleration at the
             end, and length of the stage [s].
+        weights: The first three.
         balance: Time at which balance is enforced, from the start of the step [s].
     """
 
     slopes: FloatArray
     numbers: tuple[float, ...]
+    weights: Weights
     balance: float
 
     def stage(self, start: State, before: State, end: State) -> Stage:
         """The stage that led from a state to another, in a step from ``start``."""
-        states = np.stack((start.q, start.v, start.a, before.q, before.v, before.a))
-        q0, v0, a0, velocity, acceleration = self.slopes @ states
-        q, v, a, by_v, by_a, _ = self.numbers
+        states = np.concatenate((start.q, start.v, start.a, before.q, before.v, before.a))
+        q0, v0, a0, velocity, acceleration = self.slopes @ states.reshape(6, -1)
+        by_v, by_a = self.numbers[3:5]
         return Stage(
             t_stage=start.law_time + self.balance,
             t_end=end.t,
             predictor=end.q,
-            weights=Weights(q, v, a),
+            weights=self.weights,
             q0=q0,
             v0=v0,
             a0=a0,
@@ -67,7 +69,7 @@ def maps_of(integrator: Integrator, dt: float) -> tuple[Maps, ...]:
 def _made(integrator: Integrator, dt: float) -> tuple[Maps, ...]:
     found = StageMaps.of(integrator, dt)
     return tuple(
-        Maps(np.ascontiguousarray(vectors[2:]), tuple(numbers), balance)
+        Maps(np.ascontiguousarray(vectors[2:]), tuple(numbers), Weights(*numbers[:3]), balance)
         for vectors, numbers, balance in zip(
             found.vectors, found.numbers.tolist(), found.balance, strict=True
         )

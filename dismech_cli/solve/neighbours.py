@@ -211,6 +211,11 @@ class ParameterSlope:
             and all(alike(starts[0], x) for x in starts)
         )
 
+    @property
+    def others(self) -> bool:
+        """Whether there is anything that has no share."""
+        return bool(self._rest or self._touching)
+
     def of_others(self, here: Here) -> FloatArray | None:
         """Dr/dp at a fixed state of what has no share, shape (n,); None where there is nothing."""
         if not self._near.counts(here.c.t):

@@ -69,6 +69,7 @@ class Differentiated:
         model: The semi-discrete system.
         integrator: Of its run.
         parameters: A slope for each parameter.
+        moving: Those with which motions change, with their numbers.
         edges: Edges whose frames are carried.
     """
 
@@ -101,6 +102,8 @@ class Differentiated:
             ParameterSlope(k, model, near, self._slope.pattern, self._slope.terms)
             for k, near in enumerate(parameters)
         )
+        self.moving = [(k, one) for k, one in enumerate(self.parameters) if one.moves]
+        self._others = [(k, one) for k, one in enumerate(self.parameters) if one.others]
         self.edges = model.frames.turning
         self._turned, self._weighed = turned_by(sweeper), weighed_by(sweeper)
         self._commanded = Commanded(self._slope.terms)
@@ -113,9 +116,7 @@ class Differentiated:
     @property
     def retraceable(self) -> bool:
         """Whether the adjoint knows all: not how motions that remember depend on what they did before."""
-        return not any(one.moves for one in self.parameters) or not any(
-            motion.remembers for motion in self.model.motions
-        )
+        return not self.moving or not any(motion.remembers for motion in self.model.motions)
 
     def held(self, t: float) -> Held:
         """What is held during a step that starts at ``t`` [s]."""
@@ -172,7 +173,9 @@ class Differentiated:
     def at_end(self, solved: SolvedStage, holonomies: tuple[Holonomy, ...]) -> tuple[Holonomy, ...]:
         """How they turn to the end of a stage, of those up to its trial point, which may be the same."""
         w, known = solved.stage.weights, holonomies
-        return known if w.q == 1.0 and not solved.stage.q0.any() else self.holonomies(solved, solved.q)
+        if not known or (w.q == 1.0 and not solved.stage.q0.any()):
+            return known
+        return self.holonomies(solved, solved.q)
 
     def sides(
         self,
@@ -189,7 +192,7 @@ class Differentiated:
         """D(M a + r)/dp at a fixed state, shape (n, P)."""
         found = self._weighed(slopes.residuals, self._shares, self._mass, a)
         here = Here(c, self._slope.terms)
-        for k, one in enumerate(self.parameters):
+        for k, one in self._others:
             if (more := one.of_others(here)) is not None:
                 found[:, k] += more
         return found
@@ -311,12 +314,11 @@ def _through(
 def _where_held(model: Differentiated, held: Held, solved: SolvedStage, latest: Variation) -> FloatArray:
     """Derivative of where held DOFs are at the end of a stage, shape (K, P)."""
     held_q: FloatArray = latest.q[held.dofs]
-    if held.dofs.size:
+    if held.dofs.size and model.moving:
         since = Since(solved.since, solved.before, solved.stored)
-        for k, one in enumerate(model.parameters):
-            if one.moves:
-                turned = [turn[:, k] for turn in latest.turns]
-                held_q[:, k] = one.of_holds(held.dofs, solved.stage.t_end, since, latest.q[:, k], turned)
+        for k, one in model.moving:
+            turned = [turn[:, k] for turn in latest.turns]
+            held_q[:, k] = one.of_holds(held.dofs, solved.stage.t_end, since, latest.q[:, k], turned)
     return held_q
 
 

@@ -25,7 +25,7 @@ from .linear.factors import Factors
 from .linear.updated import UpdatedFactors
 from .pattern import SparsityPattern
 from .stage import Weights
-from .sweep import Matrix, matrix_of, sweep_of
+from .sweep import Matrix, matrix_of, mirrored_by, sweep_of
 
 
 class Entries:
@@ -119,6 +119,7 @@ class Slope:
         self.pattern = pattern = self.pattern_of(np.ones(model.dofs.n, dtype=np.bool_))
         if not pattern.symmetric:
             self._lower, self._upper = pattern.mirror()
+            self._mirrored = mirrored_by(sweeper)
         self.terms = tuple(term.bind(pattern, model.driver) for term in model.terms)
         self._damping = Entries(pattern)
         self._damped = any(term.velocity_dependent for term in model.terms) or any(
@@ -168,20 +169,24 @@ class Slope:
             holonomies: Of the frames of each kind of edges, on the way to it.
         """
         stiffness, damping = self._stiffness, self._damping.values
-        self._residuals[:] = stiffness[:] = damping[:] = 0.0
+        self._residuals[:] = stiffness[:] = 0.0
+        if self._damped:
+            damping[:] = 0.0
         self._rank_ones.clear()
         for term, into in self._one_sided:
             term.add_linearization(c, into)
-        self._anew.place(c, self.pattern)
-        self._anew.add(c, self._into, symmetric=True)
+        if self.model.changing:
+            self._anew.place(c, self.pattern)
+            self._anew.add(c, self._into, symmetric=True)
         damped = self._damped
         if not self.pattern.symmetric:
-            stiffness[self._lower] = stiffness.take(self._upper)
+            self._mirrored(stiffness, self._lower, self._upper)
             if damped:
-                damping[self._lower] = damping.take(self._upper)
+                self._mirrored(damping, self._lower, self._upper)
         for term, into in self._two_sided:
             term.add_linearization(c, into)
-        self._anew.add(c, self._into, symmetric=False)
+        if self.model.changing:
+            self._anew.add(c, self._into, symmetric=False)
         rates = damping if damped else None
         for k, carried in self._carried:
             carried.add(stiffness, rates, self._residuals, holonomies[k], c)

@@ -15,7 +15,7 @@ import numpy as np
 from ..arrays import FloatArray, IntArray
 from ..kernels.driver import Driver
 from ..kinematics.turning import Holonomy, TurningEdges
-from . import sweep_loops, turn_loops
+from . import sweep_loops, sweep_matrix, turn_loops
 from .linear.sided_loops import ABREAST
 from .maps import Maps
 from .pattern import SparsityPattern
@@ -38,6 +38,7 @@ LOOPS: Final[tuple[Callable[..., Any], ...]] = (
     turn_loops.turn_slopes,
     sweep_loops.weigh,
     turn_loops.mend,
+    sweep_matrix.mirror,
 )
 """What is compiled for sweeps, whatever the scene."""
 
@@ -243,6 +244,20 @@ def turned_by(driver: Driver) -> Turned:
         return Holonomy(before, after, edge, length)
 
     return turned
+
+
+Mirrored: TypeAlias = Callable[[FloatArray, IntArray, IntArray], None]
+"""Writes entries of one triangle into the other."""
+
+
+def mirrored_by(driver: Driver) -> Mirrored:
+    """By a loop, or in operations on arrays."""
+    loop = driver.compiled(sweep_matrix.mirror)
+    return _mirrored if loop is None else loop
+
+
+def _mirrored(values: FloatArray, to: IntArray, of: IntArray) -> None:
+    values[to] = values.take(of)
 
 
 Weighed: TypeAlias = Callable[[FloatArray, FloatArray, FloatArray, FloatArray], FloatArray]

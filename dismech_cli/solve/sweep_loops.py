@@ -20,7 +20,7 @@ import numpy as np
 from ..arrays import FloatArray, IntArray
 from ..geometry.kernel import kernel, loop
 from .linear.factors import RESIDUAL_GOAL
-from .sweep_matrix import add_product, add_transposed, solved, sound, total
+from .sweep_matrix import add_product, add_transposed, fill, in_place, solved, total
 
 # Loops want plain numbers.
 _GOAL = RESIDUAL_GOAL
@@ -49,13 +49,20 @@ def weigh(
 @loop
 def combine(maps: FloatArray, start: Any, latest: Any, out: FloatArray, k: int) -> None:
     """Write what row k of maps (5, 6) makes of q, v, a of two states, all contiguous."""
-    a, b, c, d, e, f = maps[k, 0], maps[k, 1], maps[k, 2], maps[k, 3], maps[k, 4], maps[k, 5]
-    size = out.size
-    q1, v1, a1 = start[0].reshape(size), start[1].reshape(size), start[2].reshape(size)
-    q2, v2, a2 = latest[0].reshape(size), latest[1].reshape(size), latest[2].reshape(size)
-    flat = out.reshape(size)
-    for i in range(size):
-        flat[i] = a * q1[i] + b * v1[i] + c * a1[i] + d * q2[i] + e * v2[i] + f * a2[i]
+    flat = out.reshape(out.size)
+    flat[:] = 0.0
+    for j in range(3):
+        add_share(maps[k, j], start[j], flat)
+        add_share(maps[k, j + 3], latest[j], flat)
+
+
+@loop
+def add_share(share: float, x: FloatArray, out: FloatArray) -> None:
+    """Add a share of x, contiguous, to ``out``, flat; most shares are none."""
+    if share != 0.0:
+        flat = x.reshape(out.size)
+        for i in range(out.size):
+            out[i] += share * flat[i]
 
 
 @loop
@@ -108,47 +115,55 @@ def go_forward(
     q2 = latest[0]
     q, v, a = out
     n, sides = q2.shape
-    speed, inertia = np.empty((n, sides)), np.empty((n, sides))
+    inertia = np.empty((n, sides))
     # the unknown is x + y: y takes the place of q until the end
     combine(maps, start, latest, q, 0)
-    combine(maps, start, latest, speed, 1)
     combine(maps, start, latest, inertia, 2)
     combine(maps, start, latest, v, 3)
     combine(maps, start, latest, a, 4)
     before = to_trial[0]
     for e in range(len(angles)):
+        row = q[angles[e]]
         for p in range(sides):
-            q[angles[e], p] += turns[e, p]
-            for k in range(3):
-                q[angles[e], p] += before[k, e] * (q2[heads[k, e], p] - q2[tails[k, e], p])
+            row[p] += turns[e, p]
+        for k in range(3):
+            weight, head, tail = before[k, e], q2[heads[k, e]], q2[tails[k, e]]
+            for p in range(sides):
+                row[p] += weight * (head[p] - tail[p])
+    share = -1.0 / wq
     for i in range(n):
+        weight = mass[i]
         for p in range(sides):
-            q[i, p] /= -wq
-            given[i, p] += mass[i] * (inertia[i, p] + wa * q[i, p])
-            speed[i, p] += wv * q[i, p]
+            q[i, p] *= share
+            given[i, p] += weight * (inertia[i, p] + wa * q[i, p])
     if len(damping):
+        speed = inertia
+        combine(maps, start, latest, speed, 1)
+        add_share(wv, q, speed.reshape(speed.size))
         add_product(damping, indptr, indices, order, symmetric, speed, given)
     values = total(stiffness, damping, mass, diagonal, order, wq, wv, wa)
-    x = np.zeros((n, sides))
     moved = False
     for k in range(len(held)):
         for p in range(sides):
-            x[held[k], p] = held_q[k, p] - q[held[k], p]
-            moved = moved or x[held[k], p] != 0.0
+            moved = moved or held_q[k, p] != q[held[k], p]
     if moved:
+        x = np.zeros((n, sides))
+        for k in range(len(held)):
+            for p in range(sides):
+                x[held[k], p] = held_q[k, p] - q[held[k], p]
         add_product(values, indptr, indices, order, symmetric, x, given)
-    if not solved(values, symmetric, width, band, given, x):
+    room, work, free = band[1], band[2], band[3]
+    fill(values, band, given)
+    if not solved(room, symmetric, width, len(free), work):
         return False
-    if not sound(values, indptr, indices, order, symmetric, band[3], x, given):
-        return False
-    for i in range(len(band[3])):
+    for i in range(len(free)):
         for p in range(sides):
-            x[band[3][i], p] = -x[band[3][i], p]
-    for i in range(n):
+            q[free[i], p] -= work[i, p]
+    for k in range(len(held)):
         for p in range(sides):
-            q[i, p] += x[i, p]
-            v[i, p] += sv * q[i, p]
-            a[i, p] += sa * q[i, p]
+            q[held[k], p] = held_q[k, p]
+    add_share(sv, q, v.reshape(v.size))
+    add_share(sa, q, a.reshape(a.size))
     for k in range(len(led)):
         for p in range(sides):
             v[led[k], p] = (q[led[k], p] - q2[led[k], p]) / span
@@ -156,11 +171,12 @@ def go_forward(
     before, after = to_end
     for e in range(len(angles)):
         for p in range(sides):
-            turn = turns[e, p]
-            for k in range(3):
-                turn += before[k, e] * (q2[heads[k, e], p] - q2[tails[k, e], p])
-                turn += after[k, e] * (q[heads[k, e], p] - q[tails[k, e], p])
-            out_turns[e, p] = turn
+            out_turns[e, p] = turns[e, p]
+        for k in range(3):
+            first, last, head, tail = before[k, e], after[k, e], heads[k, e], tails[k, e]
+            for p in range(sides):
+                early, late = q2[head, p] - q2[tail, p], q[head, p] - q[tail, p]
+                out_turns[e, p] += first * early + last * late
     return True
 
 
@@ -228,11 +244,15 @@ def go_back(
             before[heads[k, e], 0] += early
             before[tails[k, e], 0] -= early
     values, mu = total(stiffness, damping, mass, diagonal, order, wq, wv, wa), np.zeros((n, 1))
-    if not solved(values, symmetric, width, band, to_q, mu):
+    room, work, free = band[1], band[2], band[3]
+    fill(values, band, to_q)
+    if not in_place(room, symmetric, width, len(free), work):
         return False
+    for i in range(len(free)):
+        mu[free[i], 0] = work[i, 0]
     by_all, by_v = np.zeros((n, 1)), np.zeros((n, 1))
     add_transposed(values, indptr, indices, order, symmetric, mu, by_all)
-    free, largest = band[3], 0.0
+    largest = 0.0
     for i in range(len(free)):
         largest = max(largest, abs(to_q[free[i], 0]))
     for i in range(len(free)):

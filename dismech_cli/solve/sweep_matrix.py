@@ -20,6 +20,13 @@ _GOAL, _GOLDEN = RESIDUAL_GOAL, 0.6180339887498949
 
 
 @loop
+def mirror(values: FloatArray, to: IntArray, of: IntArray) -> None:
+    """Write entries of one triangle (K,) into the other."""
+    for k in range(len(to)):
+        values[to[k]] = values[of[k]]
+
+
+@loop
 def add_product(
     values: FloatArray,
     indptr: IntArray,
@@ -52,14 +59,23 @@ def add_transposed(
     x: FloatArray,
     out: FloatArray,
 ) -> None:
-    """Add A^T x, shape (n, P), to ``out``."""
-    if symmetric:
-        add_product(values, indptr, indices, order, symmetric, x, out)
-        return
-    for i in range(len(order)):
-        for s in range(indptr[i], indptr[i + 1]):
-            for p in range(x.shape[1]):
-                out[order[indices[s]], p] += values[s] * x[order[i], p]
+    """Add A^T x of one column, shape (n, 1), to ``out``."""
+    n = len(order)
+    found = np.zeros(n)
+    ordered = np.empty(n)
+    for i in range(n):
+        ordered[i] = x[order[i], 0]
+    for i in range(n):
+        here, more, first, end = ordered[i], 0.0, indptr[i], indptr[i + 1]
+        for s in range(first, end):
+            found[indices[s]] += values[s] * here
+        if symmetric:
+            for s in range(first, end):
+                if indices[s] != i:
+                    more += values[s] * ordered[indices[s]]
+            found[i] += more
+    for i in range(n):
+        out[order[i], 0] += found[i]
 
 
 @loop
@@ -85,58 +101,93 @@ def total(
 
 
 @loop
-def solved(values: FloatArray, symmetric: bool, width: int, band: Any, b: FloatArray, x: FloatArray) -> bool:
-    """Write x of A x = b on the free DOFs, shape (n, P); False where that takes a second thought."""
+def fill(values: FloatArray, band: Any, b: FloatArray) -> None:
+    """Put a matrix and right-hand sides (n, P) into the room for them, those of the free DOFs alone."""
     places, room, work, free = band
-    m, sides = len(free), b.shape[1]
-    for i in range(len(room)):
-        room[i] = 0.0
+    room[:] = 0.0
     for s in range(len(places)):
         room[places[s]] = values[s]
-    for i in range(len(work)):
-        for p in range(work.shape[1]):
-            work[i, p] = 0.0
-    for i in range(m):
-        for p in range(sides):
+    work[:] = 0.0
+    for i in range(len(free)):
+        for p in range(b.shape[1]):
             work[i, p] = b[free[i], p]
+
+
+@loop
+def solved(room: FloatArray, symmetric: bool, width: int, m: int, work: FloatArray) -> bool:
+    """Solve in place; False where that takes a second thought.
+
+    That is where the matrix is not positive definite or a solution is not good: a bad one of any column
+    shows in a sum of all.
+    """
+    matrix, wanted, mixed = room.copy(), np.zeros(m), np.zeros(m + 2 * width)
+    shares = shares_of(work, m)
+    mix(work, shares, wanted)
+    if not in_place(room, symmetric, width, m, work):
+        return False
+    mix(work, shares, mixed[width : width + m])
+    return near(matrix, symmetric, width, mixed, wanted)
+
+
+@loop
+def in_place(room: FloatArray, symmetric: bool, width: int, m: int, work: FloatArray) -> bool:
+    """Factorise a band and solve for right-hand sides; False where it is not positive definite."""
     if symmetric:
         if not symmetric_factors(room, width, m):
             return False
         solve_sides(room, width, m, 0, width + 1, 1, True, work)
-    else:
-        if not general_factors(room, width, m):
-            return False
-        solve_sides(room, width, m, width, 2 * width + 1, 2 * width, False, work)
-    for i in range(m):
-        for p in range(sides):
-            x[free[i], p] = work[i, p]
+        return True
+    if not general_factors(room, width, m):
+        return False
+    solve_sides(room, width, m, width, 2 * width + 1, 2 * width, False, work)
     return True
 
 
 @loop
-def sound(
-    values: FloatArray,
-    indptr: IntArray,
-    indices: IntArray,
-    order: IntArray,
-    symmetric: bool,
-    free: IntArray,
-    x: FloatArray,
-    b: FloatArray,
-) -> bool:
-    """Whether solutions (n, P) are good: a bad one of any column shows in a sum of all."""
-    n, sides = x.shape
-    mixed, left = np.zeros((n, 1)), np.zeros((n, 1))
-    for p in range(sides):
-        largest = 0.0
-        for i in range(len(free)):
-            largest = max(largest, abs(b[free[i], p]))
-        share = (0.5 + ((p + 1) * _GOLDEN) % 1.0) / (largest if largest > 0.0 else 1.0)
-        for i in range(len(free)):
-            mixed[free[i], 0] += share * x[free[i], p]
-            left[free[i], 0] -= share * b[free[i], p]
-    add_product(values, indptr, indices, order, symmetric, mixed, left)
+def shares_of(columns: FloatArray, m: int) -> FloatArray:
+    """Factors of columns (m, 4 K) that make them of like sizes, no two of them the same."""
+    shares = np.empty(columns.shape[1])
+    for b in range(0, len(shares), 4):
+        s0 = s1 = s2 = s3 = 0.0
+        for i in range(m):
+            x0, x1, x2, x3 = columns[i, b], columns[i, b + 1], columns[i, b + 2], columns[i, b + 3]
+            s0, s1, s2, s3 = max(s0, abs(x0)), max(s1, abs(x1)), max(s2, abs(x2)), max(s3, abs(x3))
+        shares[b], shares[b + 1], shares[b + 2], shares[b + 3] = s0, s1, s2, s3
+    for p in range(len(shares)):
+        shares[p] = (0.5 + ((p + 1) * _GOLDEN) % 1.0) / (shares[p] if shares[p] > 0.0 else 1.0)
+    return shares
+
+
+@loop
+def mix(columns: FloatArray, shares: FloatArray, out: FloatArray) -> None:
+    """Add sums of columns (m, 4 K) with shares (4 K,) to ``out``, shape (m,)."""
+    for b in range(0, len(shares), 4):
+        s0, s1, s2, s3 = shares[b], shares[b + 1], shares[b + 2], shares[b + 3]
+        for i in range(len(out)):
+            first = s0 * columns[i, b] + s1 * columns[i, b + 1]
+            out[i] += first + s2 * columns[i, b + 2] + s3 * columns[i, b + 3]
+
+
+@loop
+def near(matrix: FloatArray, symmetric: bool, width: int, x: FloatArray, b: FloatArray) -> bool:
+    """Whether A x is b (m,), with ``width`` zeros before and after x."""
+    m = len(b)
+    if symmetric:
+        step, left = width + 1, np.zeros(m + width)
+        for i in range(m):
+            here, found = x[width + i], 0.0
+            for k in range(1, step):
+                found += matrix[i * step + k] * x[width + i + k]
+                left[i + k] += matrix[i * step + k] * here
+            left[i] += matrix[i * step] * here + found
+    else:
+        step, left = 2 * width + 1, np.empty(m)
+        for i in range(m):
+            found = 0.0
+            for k in range(step):
+                found += matrix[i * step + k] * x[i + k]
+            left[i] = found
     good = True
-    for i in range(len(free)):
-        good = good and abs(left[free[i], 0]) <= _GOAL
+    for i in range(m):
+        good = good and abs(left[i] - b[i]) <= _GOAL
     return good

@@ -48,9 +48,7 @@ def mend(
     edges: Any,
     v: FloatArray,
     way: Any,
-    by_angle: IntArray,
-    edge_of: IntArray,
-    sums: Any,
+    places: Any,
 ) -> None:
     """Add what kernels leave out at edges whose frames are carried; see :mod:`.carried`.
 
@@ -62,22 +60,26 @@ def mend(
         edges: See the module.
         v: Velocities at the trial point, shape (n,).
         way: Slopes after the way there (3, E), edge vectors (3, E) and their lengths (E,).
-        by_angle: Entries in columns of angles, shape (M,).
-        edge_of: Edge of each, shape (M,).
-        sums: Slots that get anything; where the sums of each begin, their signs and what they are of: turned
-            entries (3, M), then halves of moments along edges (3, E).
+        places: Slots of entries in columns of angles, and the edge of each, shape (M,); slots in the same
+            rows of components of its head and its tail, shape (2, 3, M); of components of these by
+            components of these, shape (2, 2, 3, 3, E).
     """
     heads, tails, angles = edges
     after, edge, length = way
-    slots, begin, signs, sources = sums
-    many, count = len(by_angle), len(angles)
-    parts, turns = np.empty(3 * (many + count)), np.zeros((3, count))
+    by_angle, edge_of, by_ends, ends = places
+    count = len(angles)
+    turns = np.zeros((3, count))
     for e in range(count):
         half, moment = 0.5 / length[e] ** 3, 0.0
         for k in range(len(turning)):
             moment += residuals[turning[k], angles[e]]
-        for k in range(3):
-            parts[3 * many + k * count + e] = half * moment * edge[k, e]
+        for c in range(3):
+            a, b, more = (c + 1) % 3, (c + 2) % 3, half * moment * edge[c, e]
+            for i in range(2):
+                for j in range(2):
+                    signed = more if i == j else -more
+                    stiffness[ends[i, j, a, b, e]] -= signed
+                    stiffness[ends[i, j, b, a, e]] += signed
         if len(damping):
             x = v[heads[0, e]] - v[tails[0, e]]
             y = v[heads[1, e]] - v[tails[1, e]]
@@ -85,15 +87,12 @@ def mend(
             turns[0, e] = half * (y * edge[2, e] - z * edge[1, e])
             turns[1, e] = half * (z * edge[0, e] - x * edge[2, e])
             turns[2, e] = half * (x * edge[1, e] - y * edge[0, e])
-    for s in range(many):
+    for s in range(len(by_angle)):
         e, slot = edge_of[s], by_angle[s]
+        value, rate = stiffness[slot], 0.0
+        if len(damping):
+            rate = damping[slot]
         for k in range(3):
-            turned = stiffness[slot] * after[k, e]
-            if len(damping):
-                turned += damping[slot] * turns[k, e]
-            parts[k * many + s] = turned
-    for j in range(len(slots)):
-        more = 0.0
-        for s in range(begin[j], begin[j + 1]):
-            more += signs[s] * parts[sources[s]]
-        stiffness[slots[j]] += more
+            turned = value * after[k, e] + rate * turns[k, e]
+            stiffness[by_ends[0, k, s]] += turned
+            stiffness[by_ends[1, k, s]] -= turned

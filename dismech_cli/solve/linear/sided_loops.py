@@ -40,18 +40,41 @@ def symmetric_factors(a: FloatArray, width: int, m: int) -> bool:
 def general_factors(a: FloatArray, width: int, m: int) -> bool:
     """Factorise A = L U in place, inverse pivots on the diagonal; False where one is not positive."""
     step = 2 * width + 1
-    for i in range(m):
+    down = step - 1
+    i = 0
+    while i < m:
         here = i * step + width
         if not a[here] > 0.0:
             return False
         inverse = 1.0 / a[here]
         a[here] = inverse
-        for k in range(1, width + 1):
-            below = here + k * (step - 1)
-            factor = a[below] * inverse
-            a[below] = factor
-            for j in range(1, width + 1):
-                a[below + j] -= factor * a[here + j]
+        if i + 1 == m:
+            return True
+        # two rows at a time: what is below is read and written once for both
+        near = here + down
+        factor = a[near] * inverse
+        a[near] = factor
+        for j in range(1, width + 1):
+            a[near + j] -= factor * a[here + j]
+        near += 1
+        if not a[near] > 0.0:
+            return False
+        second = 1.0 / a[near]
+        a[near] = second
+        for k in range(2, width + 1):
+            below = here + k * down
+            one = a[below] * inverse
+            other = (a[below + 1] - one * a[here + 1]) * second
+            a[below], a[below + 1] = one, other
+            for j in range(2, width + 1):
+                a[below + j] -= one * a[here + j] + other * a[near + j - 1]
+            a[below + width + 1] -= other * a[near + width]
+        below = near + width * down
+        other = a[below] * second
+        a[below] = other
+        for j in range(1, width + 1):
+            a[below + j] -= other * a[near + j]
+        i += 2
     return True
 
 
