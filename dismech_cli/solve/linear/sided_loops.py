@@ -22,17 +22,34 @@ ABREAST: Final = 4
 def symmetric_factors(a: FloatArray, width: int, m: int) -> bool:
     """Factorise A = L D L^T in place, inverse pivots on the diagonal; False where one is not positive."""
     step = width + 1
-    for i in range(m):
-        row = i * step
+    i = 0
+    while i < m:
+        row, near = i * step, (i + 1) * step
         if not a[row] > 0.0:
             return False
         inverse = 1.0 / a[row]
         a[row] = inverse
-        for k in range(1, step):
-            factor, other = a[row + k] * inverse, row + k * width
+        if i + 1 == m:
+            return True
+        # two rows at a time: what is below is read and written once for both
+        factor = a[row + 1] * inverse
+        for j in range(1, step):
+            a[near + j - 1] -= factor * a[row + j]
+        a[row + 1] = factor
+        if not a[near] > 0.0:
+            return False
+        second = 1.0 / a[near]
+        a[near] = second
+        for k in range(2, step):
+            one, other, below = a[row + k] * inverse, a[near + k - 1] * second, row + k * width
             for j in range(k, step):
-                a[other + j] -= factor * a[row + j]
-            a[row + k] = factor
+                a[below + j] -= one * a[row + j] + other * a[near + j - 1]
+            a[below + step] -= other * a[near + width]
+            a[row + k], a[near + k - 1] = one, other
+        other = a[near + width] * second
+        a[near + width * step] -= other * a[near + width]
+        a[near + width] = other
+        i += 2
     return True
 
 
