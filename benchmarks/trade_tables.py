@@ -3,6 +3,7 @@
 python -m benchmarks trade_tables [NAME ...]            writes tests/data/trade/NAME.json, minutes each
 python -m benchmarks trade_tables --between [NAME ...]  adds the runs between levels with which searches end
 python -m benchmarks trade_tables --again [NAME ...]    times all twice more: the median of three counts
+python -m benchmarks trade_tables --bars                what searches claim of these tables, beside the bars
 """
 
 from __future__ import annotations
@@ -26,6 +27,8 @@ from dismech_cli.studies.study.search import find
 from dismech_cli.studies.study.space import Setting, Space, make_space
 from dismech_cli.studies.study.yardstick import Yardstick
 from dismech_cli.studies.sweep.points import Base
+
+from .table import table, verdict
 
 ROOT = Path(__file__).parents[1]
 FOLDER = ROOT / "tests" / "data" / "trade"
@@ -331,8 +334,54 @@ def _short(values: np.ndarray) -> list[float]:
     return [float(f"{value:.7g}") for value in values]
 
 
+def bars() -> str:
+    """What the search finds in the tables it was made with, and in those that it was not."""
+    rows = []
+    for kind, names in (("made with", SCENES.keys() - HELD_OUT.keys()), ("held out", HELD_OUT.keys())):
+        claims, excess, cost, runs_made, time_spent = 0, [], [], [], []
+        for one in (read(FOLDER / f"{name}.json") for name in sorted(names)):
+            for target in TARGETS:
+                runs = runs_of(one)
+                found = find(runs, target)[0]
+                runs_made.append(len(runs.points) / one.space.count)
+                if found.meets:
+                    claims += 1
+                    excess.append(one.error(found.point) / target)
+                    cost.append(found.point.cpu / one.cheapest_robust(target))
+                    spent = sum(point.cpu for point in runs.points.values())
+                    time_spent.append(spent / sum(point.cpu for point in one.points.values()))
+        rows.append(
+            (
+                f"{kind}, {len(names)} scenes",
+                claims,
+                verdict(max(excess), 1.25),
+                f"{np.mean(np.array(excess) <= 1.0):.0%} (bar 90 %)",
+                verdict(float(np.mean(cost)), 1.6),
+                verdict(max(cost), 3.0),
+                verdict(float(np.mean(runs_made)), 0.3),
+                verdict(float(np.mean(time_spent)), 0.2),
+            )
+        )
+    return table(BARS, rows)
+
+
+BARS = (
+    "tables",
+    "claims",
+    "largest error over target",
+    "true",
+    "price of the cheapest robust, mean",
+    "at most",
+    "share of all runs",
+    "of their CPU time",
+)
+
+
 def main(names: Sequence[str]) -> None:
-    """Make tables, or add what lies between their levels."""
+    """Make tables, add what lies between their levels, or tell what a search finds in them."""
+    if "--bars" in names:
+        print(bars())
+        return
     does = {"--between": add_between, "--again": time_again}
     wanted = next((does[name] for name in names if name in does), make)
     for name in [name for name in names if name not in does] or SCENES:
