@@ -12,10 +12,10 @@ from __future__ import annotations
 import json
 import re
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 from dismech_cli.errors import ScenarioError
 from dismech_cli.scenario.language.study import Axis, Levels, Measured
@@ -65,10 +65,11 @@ class Run:
 
 @dataclass(frozen=True, slots=True)
 class Trade:
-    """What is known of a scene: its integrator, step [s] and end [s], and its runs."""
+    """What is known of a scene: its integrator and what it sets of that, step [s], end [s], and its runs."""
 
     scene: str
     integrator: str
+    keys: Mapping[str, float]
     dt: float
     t_end: float
     runs: tuple[Run, ...] = field(repr=False)
@@ -102,9 +103,10 @@ class Trade:
         sound = run.doubts <= self.normal.doubts
         return sound and all(one.error is not None and one.error <= allowed for one in finer)
 
-    def profile(self, run: Run) -> dict[str, object]:
+    def profile(self, run: Run) -> dict[str, dict[str, Any]]:
         """What a profile sets for a run: all, since a scene that includes another has its profiles too."""
-        return {"numerics": {"integrator": {"type": run.integrator}, "dt": self.step(run)}}
+        keys = self.keys if run.integrator == self.integrator else {}
+        return {"numerics": {"integrator": {"type": run.integrator, **keys}, "dt": self.step(run)}}
 
     def step(self, run: Run) -> str:
         """Its time step, as scenes write it."""
@@ -136,13 +138,15 @@ def read(file: Path) -> Trade:
 def make(path: Path) -> Trade:
     """Study a scene."""
     numerics = load(path).scenario.numerics
-    own, dt = numerics.integrator.type, numerics.dt
+    # what a scene with contact gets by default is no default of the integrator
+    keys = numerics.integrator.model_dump(exclude_defaults=True)
+    own, dt = keys.pop("type"), numerics.dt
     assert dt is not None
     assert numerics.t_end is not None
     runs = list(_line(path, (), own, dt, 5))
     if own != OTHER:
         runs += _line(path, (f"numerics.integrator={{type: {OTHER}}}",), OTHER, dt, 4)
-    return Trade(path.relative_to(SCENARIOS).as_posix(), own, dt, numerics.t_end, tuple(runs))
+    return Trade(path.relative_to(SCENARIOS).as_posix(), own, keys, dt, numerics.t_end, tuple(runs))
 
 
 def _line(path: Path, more: tuple[str, ...], integrator: str, dt: float, levels: int) -> Iterator[Run]:
@@ -201,8 +205,9 @@ def told(trade: Trade) -> str:
         f"  # {', '.join(parts)}.",
     ]
     for name in PROFILES:
-        run = runs[name]
-        inner = f"integrator: {{type: {run.integrator}}}, dt: {trade.step(run)}"
+        numerics = trade.profile(runs[name])["numerics"]
+        integrator = ", ".join(f"{key}: {value}" for key, value in numerics["integrator"].items())
+        inner = f"integrator: {{{integrator}}}, dt: {numerics['dt']}"
         lines.append(f"  {name}: {{numerics: {{{inner}}}}}")
     return "\n".join(lines) + "\n"
 

@@ -39,7 +39,7 @@ def test_a_run_more_doubtful_than_the_scene_is_no_draft() -> None:
 
 
 def trade(*runs: Run) -> Trade:
-    return Trade(scene="x.yaml", integrator="implicit_euler", dt=0.01, t_end=1.0, runs=runs)
+    return Trade(scene="x.yaml", integrator="implicit_euler", keys={}, dt=0.01, t_end=1.0, runs=runs)
 
 
 def test_the_draft_is_the_cheapest_within_its_error_and_so_are_finer_ones() -> None:
@@ -86,10 +86,13 @@ def test_profiles_are_those_of_the_study(file: Path) -> None:
     assert written == {"draft": one.profile(one.draft), "accurate": one.profile(one.accurate)}
     numerics = load(scene).scenario.numerics
     # the study is of the scene that is shipped
-    assert (numerics.integrator.type, numerics.dt, numerics.t_end) == (one.integrator, one.dt, one.t_end)
+    own = {"type": one.integrator, **one.keys}
+    assert numerics.integrator.model_dump(exclude_defaults=True) == own
+    assert (numerics.dt, numerics.t_end) == (one.dt, one.t_end)
     for profile, chosen in (("draft", one.draft), ("accurate", one.accurate)):
         made = load(scene, profile=profile).scenario.numerics
-        assert made.integrator.type == chosen.integrator
+        same = own if chosen.integrator == one.integrator else {"type": chosen.integrator}
+        assert made.integrator.model_dump(exclude_defaults=True) == same
         assert made.dt == pytest.approx(one.dt * chosen.factor)
     if one.draft is not one.normal:
         assert one.draft.error is not None
