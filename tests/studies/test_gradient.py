@@ -6,13 +6,16 @@ import json
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from cli_call import call
 from decks import Deck, line, rod_deck
 from pydantic import TypeAdapter
 from slope_cases import framed, planar
 
+from dismech_cli import simulate
 from dismech_cli.cli.result_schema import GRADIENT, Failure, Gradient
+from dismech_cli.scenario.load import load_mapping
 
 __all__ = ["call"]
 
@@ -313,3 +316,23 @@ def test_every_value_of_a_table_has_its_own_derivative(call, probe, interpolatio
     )
     size = max(map(abs, other))
     assert one == pytest.approx(other, rel=1e-6, abs=1e-8 * size)
+
+
+@pytest.mark.parametrize("method", ["forward", "adjoint"])
+def test_a_distance_that_is_next_to_nothing_is_differentiated(call, method):
+    """Nodes end within micrometres of a shape: steps in which it is read are far shorter than that."""
+    deck = sagging()
+    deck["forces"][0]["acceleration"] = [0, 0, -9.81]
+    there = simulate(load_mapping(deck)).positions
+    there[:, 2] *= 1.0001
+    np.savetxt("there.csv", there, delimiter=",", header="x,y,z", comments="")
+    deck["output"] = {"probes": {"off": {"shape": "rod", "target": {"file": "there.csv"}}}}
+    near = write(deck)
+    slopes = []
+    for factor in (1.0 - 1e-8, 1.0 + 1e-8):
+        run = simulate(near, overrides=[f"{MODULUS}={factor * deck['materials']['m']['youngs_modulus']!r}"])
+        slopes.append(run.probes["off"][-1])
+    by = ("--by", MODULUS, "--method", method, "--no-check")
+    result = found(call("gradient", near, "--of", "off", *by, "--json", "-q"))
+    value = deck["materials"]["m"]["youngs_modulus"]
+    assert result.gradient[0].derivative * value == pytest.approx((slopes[1] - slopes[0]) / 2e-8, rel=1e-3)
