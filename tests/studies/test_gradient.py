@@ -194,6 +194,17 @@ def test_loops_are_differentiated_exactly(call, name, probe):
 
 
 @pytest.mark.slow
+def test_what_swings_for_long_is_checked_by_shorter_differences(call):
+    """Differences of a thousandth leave 3e-6 of the derivative, as its phase turns, of which they see little."""
+    scene = Path(__file__).parents[2] / "scenarios" / "helix_soft.yaml"
+    by = ("--by", "materials.rubber.youngs_modulus")
+    result = found(call("gradient", str(scene), "--of", "tip", *by, "--json", "-q"))
+    assert result.check is not None
+    assert result.check.gradient == pytest.approx(0.12098662311, rel=1e-8)
+    assert result.check.difference == pytest.approx(result.check.gradient, rel=1e-8)
+
+
+@pytest.mark.slow
 def test_a_run_that_is_unstable_is_not_said_to_agree(call):
     """The loop swings: whatever differences of runs give is as large as what they leave open."""
     deck = framed()
