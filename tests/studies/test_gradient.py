@@ -195,7 +195,7 @@ def test_loops_are_differentiated_exactly(call, name, probe):
 
 @pytest.mark.slow
 def test_what_swings_for_long_is_checked_by_shorter_differences(call):
-    """Differences of a thousandth leave 3e-6 of the derivative, as its phase turns, of which they see little."""
+    """Differences of a thousandth leave 3e-6 of the derivative, as its phase turns, and see little of it."""
     scene = Path(__file__).parents[2] / "scenarios" / "helix_soft.yaml"
     by = ("--by", "materials.rubber.youngs_modulus")
     result = found(call("gradient", str(scene), "--of", "tip", *by, "--json", "-q"))
