@@ -24,7 +24,8 @@ from dismech_cli.output.table import read_table
 
 __all__ = ["nursery", "swing"]
 
-LONG = ("--set", "numerics.t_end=0.24")
+# A second and more, in which frames reach the files some times.
+LONG = ("--set", "numerics.t_end=1.6")
 ENDLESS = ("--set", "numerics.t_end=1e4", "--set", "output.every=0.1", "--progress", "none")
 
 
@@ -140,7 +141,7 @@ def check_kills(nursery: Nursery, folder: Path, straight: Path, trials: int) -> 
             folder, "run", "swing.yaml", *LONG, "-o", run_dir.name, "--checkpoint-every", "100ms"
         )
         wait_until(lambda: rows(run_dir) > 0)  # noqa: B023 - called at once
-        time.sleep(random.Random(trial).uniform(0.0, 0.4))
+        time.sleep(random.Random(trial).uniform(0.0, 0.8))
         finished = rows(run_dir)
         process.signal(signal.SIGKILL)
         code = process.wait().code
