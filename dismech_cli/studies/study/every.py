@@ -15,8 +15,8 @@ from .runs import Key, Runs
 from .space import Space
 
 _UNREACHED: Final = "no setting meets the target together with its finer neighbours: add a level"
-# Stable runs that a line of several levels needs before its finest error is known.
-_TWO: Final = 2
+# Stable runs on a line of several levels that tell the error of its finest.
+_COMPARED: Final = 2
 
 
 class Errors(NamedTuple):
@@ -70,12 +70,12 @@ def known_errors(runs: Runs) -> Mapping[Key, Errors]:
     shapes: dict[int, Gap] = {}
     for method, mesh in sorted({(m, h) for m, _, h in runs.points}):
         line = _line(runs, (method, None, mesh))
-        if len(line) >= min(len(runs.space.time), _TWO):
+        if len(line) >= min(len(runs.space.time), _COMPARED):
             for key, gap in _along(runs, line, runs.along_time([one for _, one in line[-3:]])):
                 steps.setdefault(key[:2], gap)
     for method, time in sorted({(m, t) for m, t, _ in runs.points}):
         line = _line(runs, (method, time, None))
-        if len(line) >= min(len(runs.space.mesh), _TWO):
+        if len(line) >= min(len(runs.space.mesh), _COMPARED):
             for key, gap in _along(runs, line, runs.along_meshes([one for _, one in line[-3:]])):
                 shapes[key[2]] = max(shapes.get(key[2], NONE), gap, key=lambda one: one.size)
     return {
