@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import Any, Final
 
 from dismech_cli.compose.compose import compose
-from dismech_cli.compose.price import Work
 from dismech_cli.errors import ScenarioError
 from dismech_cli.model.saved import Arrays, Numbers
 from dismech_cli.output.frame import Frame
@@ -22,7 +21,7 @@ from dismech_cli.run.interrupt import StopRequest
 from dismech_cli.run.loop import run
 from dismech_cli.run.sink import Progress
 from dismech_cli.scenario.load import load
-from dismech_cli.session.duration import iteration_time, seconds
+from dismech_cli.session.duration import iteration_time, seconds, work_of
 
 SCENARIOS: Final = Path(__file__).parents[1] / "scenarios"
 KEPT: Final = Path(__file__).with_name("results") / "check_times.json"
@@ -84,20 +83,15 @@ def timed(path: Path) -> dict[str, Any]:
     """What `check` goes by: the work of a scene, and the time of an iteration."""
     loaded = load(path)
     composition = compose(loaded)
-    simulation = composition.simulation
-    model = simulation.model
-    work = Work.of(
-        loaded.scenario.numerics,
-        composition.geometry,
-        touching=bool(model.changing),
-        steps=simulation.control.steps,
-    )
-    kernels, iteration = composition.plan.kernels, iteration_time(simulation)
+    plan = composition.plan
+    work = work_of(composition, loaded.scenario.numerics)
+    look = 0.0 if plan.whole else iteration_time(composition.simulation)
     return {
         "work": asdict(work),
-        "kernels": kernels,
-        "iteration": iteration,
-        "said": seconds(work, kernels, iteration),
+        "kernels": plan.kernels,
+        "whole": plan.whole,
+        "iteration": look,
+        "said": seconds(work, plan.kernels, look, whole=plan.whole),
     }
 
 

@@ -12,11 +12,15 @@ from .numerics import build_integrator
 # Measured on one core of 2.5 GHz: seconds per Newton iteration, fixed, per edge and per triangle,
 # linear solve included; factors of a surface fill by a power of its size. Good within a factor of three.
 _ITERATION: Final = {"numpy": (1.2e-3, 3.0e-6, 4.0e-6), "numba": (0.2e-3, 1.2e-6, 1.0e-6)}
-# Frames of rods cost NumPy this much more in each, mostly in calls; compiled whole, rods cost this instead.
-_FRAMES, _WHOLE = 0.8e-3, (0.05e-3, 0.7e-6)
+# Frames of rods cost NumPy this much more in each, mostly in calls.
+_FRAMES: Final = 0.8e-3
+# Steps that are compiled whole cost this instead: a step, an iteration, an edge, and one with frames more.
+_WHOLE_STEP, _WHOLE, _WHOLE_EDGE, _WHOLE_FRAME = 0.08e-3, 0.02e-3, 0.4e-6, 0.8e-6
 _FILL, _FILL_POWER = 3.3e-7, 1.35
-# Besides its iterations a step costs this, for the account and what is watched, and contact this in each [s].
+# Besides its iterations a step costs this, for the account and what is watched, and more where controllers
+# act; and contact this in each iteration [s].
 _STEP: Final = {"numpy": 0.6e-3, "numba": 0.15e-3}
+_CONTROL: Final = 0.25e-3
 _CONTACT: Final = {"numpy": 3.0e-3, "numba": 1.0e-3}
 # Newton iterations of a load step and of a stage of a time step, and what adaptive steps and contact add.
 _OF_STATICS, _OF_STAGE, _OF_ADAPTING, _OF_CONTACT = 5.0, 1.8, 0.2, 0.2
@@ -35,6 +39,7 @@ class Work:
         triangles: Number of triangles.
         touching: Whether bodies may touch.
         framed: Whether rods carry frames.
+        controlled: Whether controllers act.
     """
 
     steps: float
@@ -43,6 +48,7 @@ class Work:
     triangles: int
     touching: bool
     framed: bool = False
+    controlled: bool = False
 
     @classmethod
     def of(
@@ -52,6 +58,7 @@ class Work:
         *,
         touching: bool,
         framed: bool,
+        controlled: bool = False,
         steps: float | None = None,
     ) -> Work:
         """Count it.
@@ -61,6 +68,7 @@ class Work:
             geometry: Its bodies.
             touching: Whether bodies may touch.
             framed: Whether rods carry frames.
+            controlled: Whether controllers act, where that is known.
             steps: How many, where that is known better than from the numerics.
         """
         return cls(
@@ -70,19 +78,21 @@ class Work:
             triangles=len(geometry.triangles),
             touching=touching,
             framed=framed,
+            controlled=controlled,
         )
 
     def seconds(self, kernels: str, *, whole: bool = False) -> float:
         """Rough time [s] with ``numpy`` or ``numba``, whose steps may be compiled whole."""
-        fixed, edge, triangle = _ITERATION[kernels]
+        step = _CONTROL if self.controlled else 0.0
         if whole:
-            fixed, edge = _WHOLE
-        elif self.framed:
-            fixed += _FRAMES if kernels == "numpy" else 0.0
+            edge = _WHOLE_EDGE + (_WHOLE_FRAME if self.framed else 0.0)
+            return self.steps * (step + _WHOLE_STEP + self.iterations * (_WHOLE + edge * self.edges))
+        fixed, edge, triangle = _ITERATION[kernels]
+        fixed += _FRAMES if self.framed and kernels == "numpy" else 0.0
         fill: float = _FILL * float(self.triangles) ** _FILL_POWER
         iteration = fixed + edge * self.edges + triangle * self.triangles + fill
         iteration += _CONTACT[kernels] if self.touching else 0.0
-        return self.steps * (_STEP[kernels] + self.iterations * iteration)
+        return self.steps * (step + _STEP[kernels] + self.iterations * iteration)
 
 
 def _steps(numerics: Numerics) -> float:

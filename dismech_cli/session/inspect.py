@@ -11,10 +11,9 @@ import numpy as np
 
 from ..compose.bodies.geometry import Geometry
 from ..compose.compose import Composition, compose
-from ..compose.price import Work
 from ..compose.sizes import memory
 from ..compose.structure.kernels import alone
-from ..compose.structure.plan import Bending, Decision
+from ..compose.structure.plan import Decision
 from ..control.plugin import load_plugins
 from ..kinematics.motion import held_dofs
 from ..output.frame import Topology
@@ -24,7 +23,7 @@ from ..scenario.load import load
 from ..scenario.text.parameters import Parameter
 from ..scenario.views.provenance import as_json
 from ..solve.system import base_outline, chosen_solver
-from .duration import iteration_time, seconds
+from .duration import iteration_time, seconds, work_of
 from .joints import JointLine, joint_lines
 from .loops import look_at_loops, nominal_step
 from .modes import Modes, find_modes
@@ -227,13 +226,7 @@ def estimate(composition: Composition, numerics: Numerics) -> Cost:
     solver = chosen_solver(model, pattern, simulation.linear_solver)
     plan = composition.plan
     look = 0.0 if plan.whole else iteration_time(simulation)
-    work = Work.of(
-        numerics,
-        composition.geometry,
-        touching=bool(model.changing),
-        framed=plan.bending is Bending.FRAMED,
-        steps=steps,
-    )
+    work = work_of(composition, numerics)
     return Cost(
         dofs=model.dofs.n,
         free=pattern.m,
