@@ -17,8 +17,8 @@ from dismech_cli.session.duration import seconds
 
 # Below this nobody waits [s].
 _SHORT = 0.05
-# A cloth that closes around a stool and a snake in steps of 50 ms take two and five times as many iterations a
-# step as others; a path around many turns takes all its steps; a rod that drops touches for a moment only.
+# A cloth that closes around a stool and a snake in steps of 50 ms take two and five times as many iterations
+# a step as others; a path around many turns takes all its steps; a rod that drops touches for a moment only.
 _MISSED = {"draped_cloth", "snake_21", "localised_helix_static", "rod_drop_family"}
 
 
