@@ -21,13 +21,13 @@ from ..arrays import FloatArray, IntArray
 
 @dataclass(frozen=True, slots=True)
 class Holonomy:
-    """How the frames of some edges turn with the ends of the way that they were carried along.
+    """How the frames of some edges turn with the ends of the C ways that they were carried along.
 
     Attributes:
-        before: Slope of sigma to the edge vectors where it starts [rad/m], shape (3, E).
+        before: Slope of sigma to the edge vectors where a way starts [rad/m], shape (C, 3, E).
         after: To those where it ends.
-        edge: The edge vectors there [m], shape (3, E).
-        length: Their lengths, shape (E,).
+        edge: The edge vectors there [m], shape (C, 3, E).
+        length: Their lengths, shape (C, E).
     """
 
     before: FloatArray
@@ -37,7 +37,7 @@ class Holonomy:
 
 
 def crossed(a: FloatArray, b: FloatArray) -> FloatArray:
-    """Cross products of columns, shape (3, E)."""
+    """Cross products of columns, shape (3, ...)."""
     return np.stack((a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]))
 
 
@@ -68,11 +68,12 @@ class TurningEdges:
         return difference
 
     def holonomy(self, q0: FloatArray, q1: FloatArray) -> Holonomy:
-        """That of a transport from shapes (n,) to others."""
-        e0, e1 = self.along(q0), self.along(q1)
+        """That of transports from shapes (C, n) to others."""
+        e0, e1 = self.along(q0.T).swapaxes(1, 2), self.along(q1.T).swapaxes(1, 2)
         l0, l1 = (np.sqrt((e * e).sum(axis=0)) for e in (e0, e1))
         half = crossed(e0, e1) / -(l0 * l1 + (e0 * e1).sum(axis=0))
-        return Holonomy(half / l0, half / l1, e1, l1)
+        before, after, edge = (np.ascontiguousarray(x.swapaxes(0, 1)) for x in (half / l0, half / l1, e1))
+        return Holonomy(before, after, edge, l1)
 
     def add_along(self, x: FloatArray, by_edge: FloatArray) -> None:
         """Add to ``x`` (n,) what :meth:`along` transposed makes of a vector of each edge, shape (3, E)."""

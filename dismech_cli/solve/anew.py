@@ -15,7 +15,7 @@ from ..model.term import BoundChanging, ChangingSet, ChangingTerm
 from ..model.touch import Touch
 from .integrators import Integrator
 from .pattern import SparsityPattern
-from .stage import Stage
+from .solved import solved
 from .tape import TapedStep
 
 
@@ -109,10 +109,9 @@ def _looks(step: TapedStep, integrator: Integrator) -> Iterator[Configuration]:
     yield Configuration(start.law_time, start.q, start.v, frames, start.inputs)
     v = start.v + step.dt * start.a
     yield Configuration(start.law_time + step.dt, start.q + step.dt * v, v, frames, start.inputs)
-    for solved in step.stages(integrator):
-        stage: Stage = solved.stage
-        q, v = stage.position(solved.q), stage.velocity(solved.q)
-        yield Configuration(stage.t_stage, q, v, frames, stage.inputs)
+    balanced = solved(integrator, [step])
+    for t, (q, v, _) in zip(balanced.times, balanced.points, strict=True):
+        yield Configuration(t, q, v, frames, start.inputs)
 
 
 def _distinct(dofs: Sequence[IntArray]) -> IntArray:

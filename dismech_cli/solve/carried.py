@@ -74,39 +74,42 @@ class Carried:
     def add(
         self,
         stiffness: FloatArray,
-        damping: FloatArray | None,
+        damping: FloatArray,
         residuals: FloatArray,
         holonomy: Holonomy,
+        k: int,
         c: Configuration,
     ) -> None:
         """Add all parts to a stiffness (slots,).
 
         Args:
             stiffness: What kernels say, to be mended.
-            damping: What they say of velocities, shape (slots,); None for nothing.
+            damping: What they say of velocities, shape (slots,), or (0,) for nothing.
             residuals: Residual of each term, shape (T, n).
-            holonomy: Of the frames, on the way to the trial point.
+            holonomy: Of the frames, on ways to trial points.
+            k: Which of them this is.
             c: The trial point.
         """
+        after, edge, length = holonomy.after[k], holonomy.edge[k], holonomy.length[k]
         if self._mend is not None:
             edges = self._edges
             self._mend(
                 stiffness,
-                np.empty(0) if damping is None else damping,
+                damping,
                 residuals,
                 self._turning,
                 (edges.heads, edges.tails, edges.angles),
                 c.v,
-                (holonomy.after, holonomy.edge, holonomy.length),
+                (after, edge, length),
                 self._places,
             )
             return
-        turned = holonomy.after.take(self._edge, axis=1)
+        turned = after.take(self._edge, axis=1)
         turned *= stiffness.take(self._by_angle)
-        half = 0.5 / holonomy.length**3
-        if damping is not None:
-            by_rate = half * crossed(self._edges.along(c.v), holonomy.edge)
+        half = 0.5 / length**3
+        if damping.size:
+            by_rate = half * crossed(self._edges.along(c.v), edge)
             turned += damping.take(self._by_angle) * by_rate.take(self._edge, axis=1)
         moment = residuals[self._turning[:, None], self._edges.angles].sum(axis=0)
-        turns = half * moment * holonomy.edge
+        turns = half * moment * edge
         stiffness[self._slots] += self._sums @ np.concatenate((turned.ravel(), turns.ravel()))

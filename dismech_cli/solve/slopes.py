@@ -25,7 +25,7 @@ from .linear.factors import Factors
 from .linear.updated import UpdatedFactors
 from .pattern import SparsityPattern
 from .stage import Weights
-from .sweep import Matrix, matrix_of, mirrored_by, sweep_of
+from .sweep import mirrored_by, sweep_of
 
 
 class Entries:
@@ -37,6 +37,11 @@ class Entries:
         self._matrix = pattern.csr(self.values)
         self._transposed = self._matrix.T
         self._diagonal = pattern.diagonal
+
+    def of(self, values: FloatArray) -> Entries:
+        """Itself, with some values (slots,)."""
+        self.values[:] = values
+        return self
 
     def times(self, x: FloatArray) -> FloatArray:
         """The product with x, shape (n,) or (n, P)."""
@@ -60,21 +65,17 @@ class Entries:
 
 @dataclass(frozen=True, slots=True)
 class Slopes:
-    """Slopes of r(q, v) at a trial point, all DOFs by all DOFs; good until the next are found.
+    """Slopes of r(q, v) at a trial point, all DOFs by all DOFs; good until the next are asked for.
 
     Attributes:
-        residuals: Residual of each term, shape (T, n).
         stiffness: Entries of dr/dq, shape (slots,).
         damping: dr/dv; None where nothing depends on velocities.
         rank_ones: Slopes outside the pattern.
-        matrix: The same entries, as compiled sweeps want them.
     """
 
-    residuals: FloatArray
     stiffness: FloatArray
     damping: Entries | None
     rank_ones: tuple[RankOne, ...]
-    matrix: Matrix
 
     @property
     def damped(self) -> bool:
@@ -96,6 +97,35 @@ class Slopes:
         return out
 
 
+@dataclass(frozen=True, slots=True)
+class SlopeRows:
+    """Slopes at C trial points; good until the next are found.
+
+    Attributes:
+        residuals: Residual of each term, shape (C, T, n).
+        stiffness: Entries of dr/dq, shape (C, slots).
+        damping: Those of dr/dv, shape (C, slots); (C, 0) where nothing depends on velocities.
+        rank_ones: Slopes outside the pattern at each of them.
+        entries: Makes a matrix of entries.
+    """
+
+    residuals: FloatArray
+    stiffness: FloatArray
+    damping: FloatArray
+    rank_ones: tuple[tuple[RankOne, ...], ...]
+    entries: Entries
+
+    @property
+    def plain(self) -> bool:
+        """Whether none is outside the pattern."""
+        return not any(self.rank_ones)
+
+    def at(self, k: int) -> Slopes:
+        """Those at one of them."""
+        damping = self.entries.of(self.damping[k]) if self.damping.size else None
+        return Slopes(self.stiffness[k], damping, self.rank_ones[k])
+
+
 class Slope:
     """Finds slopes of one model, bound once to a pattern of all its DOFs.
 
@@ -104,6 +134,7 @@ class Slope:
         sweeper: Runs sweeps.
         pattern: The pattern, of one triangle where all slopes are symmetric.
         terms: Its terms, bound.
+        bytes: What a trial point takes.
     """
 
     def __init__(self, model: Model, sweeper: Driver, met: Sequence[Coupling]) -> None:
@@ -121,34 +152,42 @@ class Slope:
             self._lower, self._upper = pattern.mirror()
             self._mirrored = mirrored_by(sweeper)
         self.terms = tuple(term.bind(pattern, model.driver) for term in model.terms)
-        self._damping = Entries(pattern)
+        self._entries = Entries(pattern)
         self._damped = any(term.velocity_dependent for term in model.terms) or any(
             term.velocity_dependent for term in model.changing
         )
-        self._stiffness, n = np.zeros(pattern.slots), model.dofs.n
-        self._residuals = np.zeros((len(self.terms), n))
-        self._rank_ones: list[RankOne] = []
-        rates = self._damping.values if self._damped else None
-        self._matrix = matrix_of(pattern, self._stiffness, rates, model.mass)
-        # forces of what comes and goes are no multiples of anything
-        self._into = Linearization(np.zeros(n), self._stiffness, self._damping.values, self._rank_ones)
-        buffers = [
-            Linearization(row, self._stiffness, self._damping.values, self._rank_ones)
-            for row in self._residuals
-        ]
         one_sided = [all_symmetric(term.couplings) for term in model.terms]
-        each = list(zip(self.terms, buffers, one_sided, strict=True))
-        self._one_sided = [(term, into) for term, into, one in each if one]
-        self._two_sided = [(term, into) for term, into, one in each if not one]
+        numbered = list(enumerate(zip(self.terms, one_sided, strict=True)))
+        self._one_sided = [(k, term) for k, (term, one) in numbered if one]
+        self._two_sided = [(k, term) for k, (term, one) in numbered if not one]
         turning = [
             k
-            for k, (bound, one) in enumerate(zip(self.terms, one_sided, strict=True))
+            for k, (bound, one) in numbered
             if model.terms[k].velocity_dependent or (one and bound.potential is not None)
         ]
         self._carried = [
             (k, Carried(pattern, one, np.array(turning, dtype=np.int64), sweeper))
             for k, one in enumerate(model.frames.turning)
             if not one.varied
+        ]
+        self.bytes = 8 * (pattern.slots * (1 + self._damped) + len(self.terms) * model.dofs.n)
+        self._make_room(1)
+
+    def _make_room(self, count: int) -> None:
+        """Make room for some trial points; forces of what comes and goes are no multiples of anything."""
+        n, slots = self.model.dofs.n, self.pattern.slots
+        self._residuals = np.zeros((count, len(self.terms), n))
+        self._stiffness = np.zeros((count, slots))
+        self._damping = np.zeros((count, slots if self._damped else 0))
+        unmoved, unshared = np.zeros(slots), np.zeros(n)
+        self._into = [
+            [
+                Linearization(row, stiffness, damping if self._damped else unmoved, ones)
+                for row in (*residuals, unshared)
+            ]
+            for residuals, stiffness, damping, ones in zip(
+                self._residuals, self._stiffness, self._damping, [[] for _ in range(count)], strict=True
+            )
         ]
 
     def pattern_of(self, free: BoolArray) -> SparsityPattern:
@@ -161,37 +200,44 @@ class Slope:
             model.dofs, free, [*couplings, *self._met], symmetric=symmetric and not carried
         )
 
-    def at(self, c: Configuration, holonomies: Sequence[Holonomy]) -> Slopes:
-        """Slopes at a trial point.
+    def at(self, points: Sequence[Configuration], holonomies: Sequence[Holonomy]) -> SlopeRows:
+        """Slopes at trial points.
 
         Args:
-            c: The trial point.
-            holonomies: Of the frames of each kind of edges, on the way to it.
+            points: The C trial points.
+            holonomies: Of the frames of each kind of edges, on the ways to them.
         """
-        stiffness, damping = self._stiffness, self._damping.values
-        self._residuals[:] = stiffness[:] = 0.0
-        if self._damped:
-            damping[:] = 0.0
-        self._rank_ones.clear()
-        for term, into in self._one_sided:
-            term.add_linearization(c, into)
+        count = len(points)
+        if count > len(self._into):
+            self._make_room(count)
+        rows = self._residuals[:count], self._stiffness[:count], self._damping[:count]
+        for row in rows:
+            row[:] = 0.0
+        for k, c in enumerate(points):
+            self._add(k, c, holonomies)
+        ones = tuple([tuple(into[-1].rank_ones) for into in self._into[:count]])
+        return SlopeRows(*rows, ones, self._entries)
+
+    def _add(self, k: int, c: Configuration, holonomies: Sequence[Holonomy]) -> None:
+        """Slopes at one of the trial points."""
+        into, pattern = self._into[k], self.pattern
+        stiffness, damping = self._stiffness[k], self._damping[k]
+        into[-1].rank_ones.clear()
+        for index, term in self._one_sided:
+            term.add_linearization(c, into[index])
         if self.model.changing:
-            self._anew.place(c, self.pattern)
-            self._anew.add(c, self._into, symmetric=True)
-        damped = self._damped
-        if not self.pattern.symmetric:
+            self._anew.place(c, pattern)
+            self._anew.add(c, into[-1], symmetric=True)
+        if not pattern.symmetric:
             self._mirrored(stiffness, self._lower, self._upper)
-            if damped:
+            if self._damped:
                 self._mirrored(damping, self._lower, self._upper)
-        for term, into in self._two_sided:
-            term.add_linearization(c, into)
+        for index, term in self._two_sided:
+            term.add_linearization(c, into[index])
         if self.model.changing:
-            self._anew.add(c, self._into, symmetric=False)
-        rates = damping if damped else None
-        for k, carried in self._carried:
-            carried.add(stiffness, rates, self._residuals, holonomies[k], c)
-        rates_of = self._damping if damped else None
-        return Slopes(self._residuals, stiffness, rates_of, tuple(self._rank_ones), self._matrix)
+            self._anew.add(c, into[-1], symmetric=False)
+        for index, carried in self._carried:
+            carried.add(stiffness, damping, self._residuals[k], holonomies[index], k, c)
 
 
 class Balance:
@@ -219,7 +265,7 @@ class Balance:
         find = whole.symmetric_slots if whole.symmetric else whole.slots_of
         slots = find(rows, columns)
         self._places = np.append(slots, whole.nnz)
-        self.sweep = sweep_of(whole, pattern, slots, model.frames.turning, slope.sweeper)
+        self.sweep = sweep_of(whole, pattern, slots, model, slope.sweeper)
         self._solver = LINEAR_SOLVERS[choose_solver(pattern)](pattern)
 
     def factorize(self, slopes: Slopes, w: Weights) -> Factors:

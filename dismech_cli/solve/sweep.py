@@ -6,7 +6,7 @@ it says nothing, and the stage is gone through by what can do more.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Final, TypeAlias
 
@@ -15,6 +15,7 @@ import numpy as np
 from ..arrays import FloatArray, IntArray
 from ..kernels.driver import Driver
 from ..kinematics.turning import Holonomy, TurningEdges
+from ..model.model import Model
 from . import sweep_loops, sweep_matrix, turn_loops
 from .linear.sided_loops import ABREAST
 from .maps import Maps
@@ -23,18 +24,9 @@ from .pattern import SparsityPattern
 # Wider bands are faster in LAPACK's blocks.
 _WIDEST: Final = 24
 
-Block: TypeAlias = "tuple[FloatArray, FloatArray, FloatArray]"
-"""Of positions, rates and second rates, each of shape (n, P)."""
-
-
-Matrix: TypeAlias = tuple[Any, ...]
-"""A matrix of all DOFs, as :mod:`.sweep_loops` wants it."""
-
-_NOTHING: Final = np.empty(0)
-
 LOOPS: Final[tuple[Callable[..., Any], ...]] = (
-    sweep_loops.go_forward,
-    sweep_loops.go_back,
+    sweep_loops.all_forward,
+    sweep_loops.all_back,
     turn_loops.turn_slopes,
     sweep_loops.weigh,
     turn_loops.mend,
@@ -43,22 +35,15 @@ LOOPS: Final[tuple[Callable[..., Any], ...]] = (
 """What is compiled for sweeps, whatever the scene."""
 
 
-def matrix_of(
-    pattern: SparsityPattern, stiffness: FloatArray, damping: FloatArray | None, mass: FloatArray
-) -> Matrix:
-    """Views of entries (slots,), with masses (n,); None where nothing depends on velocities."""
-    rates = _NOTHING if damping is None else damping[: pattern.nnz]
-    places = (pattern.diagonal, pattern.indptr, pattern.indices, pattern.free)
-    return (stiffness[: pattern.nnz], rates, mass, *places)
-
-
 @dataclass(frozen=True, slots=True)
 class Sides:
-    """What a stage balances.
+    """What C stages balance.
 
     Attributes:
-        maps: Maps of the stage.
-        matrix: Slopes of the balance.
+        maps: Maps of the stages of a step.
+        stiffness: Entries of dr/dq, shape (C, slots).
+        damping: Those of dr/dv, shape (C, slots); (C, 0) where nothing depends on velocities.
+        given: Derivative of the balance at a fixed state, shape (C, n, P).
         held: Held DOFs, shape (K,).
         led: Those whose rates are difference quotients.
         to_trial: How frames turn on the way to the trial point.
@@ -66,7 +51,9 @@ class Sides:
     """
 
     maps: Maps
-    matrix: Matrix
+    stiffness: FloatArray
+    damping: FloatArray
+    given: FloatArray
     held: IntArray
     led: IntArray
     to_trial: tuple[Holonomy, ...]
@@ -81,12 +68,11 @@ class Sweep:
         whole: SparsityPattern,
         free: SparsityPattern,
         slots: IntArray,
-        edges: Sequence[TurningEdges],
-        forward: Callable[..., bool],
-        back: Callable[..., bool],
+        model: Model,
+        forward: Callable[..., int],
+        back: Callable[..., int],
     ) -> None:
         """Find the place of each entry in a band; see :func:`sweep_of`."""
-        self._symmetric, self._width, self._free = whole.symmetric, free.bandwidth, free.free
         self._forward, self._back = forward, back
         width, rows, columns = free.bandwidth, free.rows, free.indices
         step, first = (width + 1, 0) if whole.symmetric else (2 * width + 1, width)
@@ -97,118 +83,102 @@ class Sweep:
         if whole.symmetric:
             self._transposed = self._places
         self._room, self._work = np.empty(entries), np.empty((free.m + width, ABREAST))
-        nowhere = np.empty((3, 0), dtype=np.int64)
-        self._edges = (
-            (edges[0].heads, edges[0].tails, edges[0].angles) if edges else (nowhere, nowhere, nowhere[0])
-        )
+        self._rows = (model.mass, whole.diagonal, whole.indptr, whole.indices, whole.free)
+        self._shape, self._free = (whole.symmetric, width), free.free
+        edges = model.frames.turning
+        self._edges = (edges[0].heads, edges[0].tails, edges[0].angles) if edges else _NO_EDGES
 
     def forward(
-        self,
-        s: Sides,
-        states: tuple[Block, Block],
-        given: FloatArray,
-        held_q: FloatArray,
-        turns: tuple[FloatArray, ...],
-    ) -> tuple[Block, tuple[FloatArray, ...]] | None:
-        """Derivatives of state and turns after a stage; None where that takes a second thought.
+        self, s: Sides, states: FloatArray, turns: FloatArray, held_q: FloatArray, first: int, reach: int
+    ) -> int:
+        """Go forward through stages; the number of that which takes a second thought, or ``reach``.
 
         Args:
-            s: The stage.
-            states: Derivative of the start of the step, and that before the stage.
-            given: Derivative of the balance at a fixed state, shape (n, P).
-            held_q: That of where held DOFs are, shape (K, P).
-            turns: That of the turns of frames (E, P).
+            s: The stages.
+            states: Derivative of q, v, a at the start and after each stage, shape (C + 1, 3, n, P); those
+                up to the first stage are read, the others written.
+            turns: Likewise of the turns of frames, shape (C + 1, E, P).
+            held_q: That of where held DOFs are at the end of each of these stages, shape (K, P).
+            first: Number of the first stage.
+            reach: Number of the stage where this ends.
         """
-        sides = given.shape[1]
+        sides = states.shape[-1]
         room = -(-sides // ABREAST) * ABREAST
         if self._work.shape[1] < room:
             self._work = np.empty((len(self._work), room))
-        q, v, a = np.empty((3, *given.shape))
-        before = turns[0] if turns else np.empty((0, sides))
-        after = np.empty_like(before)
-        if not self._forward(
+        return self._forward(
+            first,
+            reach,
             s.maps.numbers,
             s.maps.slopes,
-            *(tuple(map(np.ascontiguousarray, state)) for state in states),
-            given.copy(),
+            states,
+            turns,
+            s.given,
             s.held,
             held_q,
             s.led,
-            s.matrix,
-            self._symmetric,
-            self._width,
+            (s.stiffness, s.damping, *self._rows),
+            *self._shape,
             (self._places, self._room, self._work, self._free),
             self._edges,
             *_ways(s),
-            before,
-            (q, v, a),
-            after,
-        ):
-            return None
-        return (q, v, a), (after,) if turns else ()
+        )
 
     def back(
         self,
         s: Sides,
-        owed: Block,
-        turns: tuple[FloatArray, ...],
-        start: Block,
-        given: FloatArray,
+        owed: FloatArray,
+        turns: FloatArray,
+        start: FloatArray,
         gradient: FloatArray,
-    ) -> tuple[Block, tuple[FloatArray, ...], FloatArray] | None:
-        """What is owed to the state before a stage, to turns there, and to where held DOFs are (K,).
+        by_held: FloatArray,
+        left: int,
+    ) -> int:
+        """Go back through stages; how many are left by one that takes a second thought, or none.
 
         Args:
-            s: The stage.
-            owed: To the state after it, each of shape (n, 1).
-            turns: To the turns there (E,).
-            start: To the start of the step; added to.
-            given: Derivative of the balance to parameters at a fixed state, shape (n, P).
+            s: The stages.
+            owed: To q, v, a after them, shape (3, n, 1), then before them; changed in place.
+            turns: To the turns of frames (E,), likewise.
+            start: To q, v, a at the start of the step that is gone through, shape (3, n, 1), likewise.
             gradient: To parameters, shape (P,); added to.
+            by_held: To where held DOFs are at the end of each stage, shape (C, K), written.
+            left: How many stages there are.
         """
-        q, v, a = np.empty((3, *owed[0].shape))
-        after = turns[0] if turns else _NOTHING
-        before, by_held = np.empty_like(after), np.empty(len(s.held))
-        if not self._back(
+        return self._back(
+            left,
             s.maps.numbers,
             s.maps.slopes,
             owed,
-            after,
+            turns,
             start,
             s.held,
             s.led,
-            s.matrix,
-            self._symmetric,
-            self._width,
+            (s.stiffness, s.damping, *self._rows),
+            *self._shape,
             (self._transposed, self._room, self._work[:, :ABREAST].copy(), self._free),
             self._edges,
             *_ways(s),
-            given,
+            s.given,
             gradient,
-            (q, v, a),
-            before,
             by_held,
-        ):
-            return None
-        return (q, v, a), (before,) if turns else (), by_held
+        )
 
 
-_NOWHERE: Final = np.empty((3, 0))
+_NO_DOFS: Final[IntArray] = np.empty((3, 0), dtype=np.int64)
+_NO_EDGES: Final = (_NO_DOFS, _NO_DOFS, _NO_DOFS[0])
 
 
 def _ways(s: Sides) -> tuple[tuple[FloatArray, FloatArray], tuple[FloatArray, FloatArray]]:
     if not s.to_trial:
-        return (_NOWHERE, _NOWHERE), (_NOWHERE, _NOWHERE)
+        nowhere = np.empty((len(s.given), 3, 0))
+        return (nowhere, nowhere), (nowhere, nowhere)
     trial, end = s.to_trial[0], s.to_end[0]
     return (trial.before, trial.after), (end.before, end.after)
 
 
 def sweep_of(
-    whole: SparsityPattern,
-    free: SparsityPattern,
-    slots: IntArray,
-    edges: Sequence[TurningEdges],
-    driver: Driver,
+    whole: SparsityPattern, free: SparsityPattern, slots: IntArray, model: Model, driver: Driver
 ) -> Sweep | None:
     """The sweep of some free DOFs; None where there is none.
 
@@ -216,19 +186,19 @@ def sweep_of(
         whole: Pattern of all DOFs.
         free: That of the free ones.
         slots: The slot in the whole of each entry between free DOFs, shape (nnz of these,).
-        edges: Edges whose frames are carried.
+        model: Has the masses, and the edges whose frames are carried.
         driver: Compiles.
     """
-    if len(edges) > 1 or not 0 < free.bandwidth <= _WIDEST:
+    if len(model.frames.turning) > 1 or not 0 < free.bandwidth <= _WIDEST:
         return None
-    forward, back = driver.compiled(sweep_loops.go_forward), driver.compiled(sweep_loops.go_back)
+    forward, back = driver.compiled(sweep_loops.all_forward), driver.compiled(sweep_loops.all_back)
     if forward is None or back is None:
         return None
-    return Sweep(whole, free, slots, edges, forward, back)
+    return Sweep(whole, free, slots, model, forward, back)
 
 
 Turned: TypeAlias = Callable[[TurningEdges, FloatArray, FloatArray], Holonomy]
-"""Finds how frames of edges turn on the way from shapes (n,) to others."""
+"""Finds how frames of edges turn on their ways from shapes (C, n) to others."""
 
 
 def turned_by(driver: Driver) -> Turned:
@@ -238,8 +208,8 @@ def turned_by(driver: Driver) -> Turned:
         return TurningEdges.holonomy
 
     def turned(edges: TurningEdges, q0: FloatArray, q1: FloatArray) -> Holonomy:
-        before, after, edge = np.empty((3, *edges.heads.shape))
-        length = np.empty(len(edges.angles))
+        before, after, edge = np.empty((3, len(q0), *edges.heads.shape))
+        length = np.empty((len(q0), len(edges.angles)))
         loop(q0, q1, edges.heads, edges.tails, before, after, edge, length)
         return Holonomy(before, after, edge, length)
 
@@ -261,7 +231,7 @@ def _mirrored(values: FloatArray, to: IntArray, of: IntArray) -> None:
 
 
 Weighed: TypeAlias = Callable[[FloatArray, FloatArray, FloatArray, FloatArray], FloatArray]
-"""Sums residuals (T, n) by shares (T, P), with masses (n, P) times accelerations (n,), shape (n, P)."""
+"""Sums residuals (C, T, n) by shares (T, P), with masses (n, P) times accelerations (C, n), (C, n, P)."""
 
 
 def weighed_by(driver: Driver) -> Weighed:
@@ -271,7 +241,7 @@ def weighed_by(driver: Driver) -> Weighed:
         return _weighed
 
     def weighed(residuals: FloatArray, shares: FloatArray, mass: FloatArray, a: FloatArray) -> FloatArray:
-        out = np.empty_like(mass)
+        out = np.empty((len(residuals), *mass.shape))
         loop(residuals, shares, mass, a, out)
         return out
 
@@ -279,6 +249,6 @@ def weighed_by(driver: Driver) -> Weighed:
 
 
 def _weighed(residuals: FloatArray, shares: FloatArray, mass: FloatArray, a: FloatArray) -> FloatArray:
-    found: FloatArray = residuals.T @ shares
-    found += mass * a[:, None]
+    found: FloatArray = residuals.swapaxes(1, 2) @ shares
+    found += mass * a[:, :, None]
     return found

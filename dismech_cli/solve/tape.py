@@ -3,42 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from itertools import pairwise
 from typing import Final
 
-from ..arrays import FloatArray
-from ..kinematics.rod_frames import FrameState
 from ..model.state import State
-from .integrators import Integrator
-from .maps import maps_of
 from .problem import NewtonSettings
 from .relax import relaxed
-from .stage import Stage
 from .status import Status
 from .step import Advance, Stepper, through_stages
 from .step_result import StepResult
 
 THROUGH_STAGES: Final[tuple[Advance, ...]] = (through_stages, relaxed)
 """Ways of steps whose stages alone say how they went; a path of equilibria is not among them."""
-
-
-@dataclass(frozen=True, slots=True)
-class SolvedStage:
-    """A stage with its solution.
-
-    Attributes:
-        stage: What was solved.
-        q: Its solution, shape (n,).
-        stored: Frames that trial points were transported from.
-        before: Shape that these are the frames of, shape (n,).
-        since: Time of that shape [s].
-    """
-
-    stage: Stage
-    q: FloatArray
-    stored: FrameState
-    before: FloatArray
-    since: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,14 +32,6 @@ class TapedStep:
     def start(self) -> State:
         """State that it began with, made ready."""
         return self.result.trail[0]
-
-    def stages(self, integrator: Integrator) -> tuple[SolvedStage, ...]:
-        """What was solved, in order."""
-        trail = self.result.trail
-        return tuple(
-            SolvedStage(maps.stage(self.start, before, after), after.q, before.frames, before.q, before.t)
-            for maps, (before, after) in zip(maps_of(integrator, self.dt), pairwise(trail), strict=True)
-        )
 
 
 @dataclass(slots=True)

@@ -15,8 +15,8 @@ from ..geometry.kernel import loop
 
 @loop
 def turn_slopes(
-    q0: FloatArray,
-    q1: FloatArray,
+    starts: FloatArray,
+    points: FloatArray,
     heads: IntArray,
     tails: IntArray,
     before: FloatArray,
@@ -24,19 +24,21 @@ def turn_slopes(
     edge: FloatArray,
     length: FloatArray,
 ) -> None:
-    """Write how frames turn on their way from shapes (n,) to others; see :mod:`..kinematics.turning`."""
-    for e in range(len(length)):
-        x0, x1 = q0[heads[0, e]] - q0[tails[0, e]], q1[heads[0, e]] - q1[tails[0, e]]
-        y0, y1 = q0[heads[1, e]] - q0[tails[1, e]], q1[heads[1, e]] - q1[tails[1, e]]
-        z0, z1 = q0[heads[2, e]] - q0[tails[2, e]], q1[heads[2, e]] - q1[tails[2, e]]
-        l0 = np.sqrt(x0 * x0 + y0 * y0 + z0 * z0)
-        l1 = np.sqrt(x1 * x1 + y1 * y1 + z1 * z1)
-        scale = -1.0 / (l0 * l1 + x0 * x1 + y0 * y1 + z0 * z1)
-        a, b, c = scale * (y0 * z1 - z0 * y1), scale * (z0 * x1 - x0 * z1), scale * (x0 * y1 - y0 * x1)
-        before[0, e], before[1, e], before[2, e] = a / l0, b / l0, c / l0
-        after[0, e], after[1, e], after[2, e] = a / l1, b / l1, c / l1
-        edge[0, e], edge[1, e], edge[2, e] = x1, y1, z1
-        length[e] = l1
+    """Write how frames turn on their ways from shapes (C, n) to others; see :mod:`..kinematics.turning`."""
+    for s in range(len(starts)):
+        q0, q1 = starts[s], points[s]
+        for e in range(length.shape[1]):
+            x0, x1 = q0[heads[0, e]] - q0[tails[0, e]], q1[heads[0, e]] - q1[tails[0, e]]
+            y0, y1 = q0[heads[1, e]] - q0[tails[1, e]], q1[heads[1, e]] - q1[tails[1, e]]
+            z0, z1 = q0[heads[2, e]] - q0[tails[2, e]], q1[heads[2, e]] - q1[tails[2, e]]
+            l0 = np.sqrt(x0 * x0 + y0 * y0 + z0 * z0)
+            l1 = np.sqrt(x1 * x1 + y1 * y1 + z1 * z1)
+            scale = -1.0 / (l0 * l1 + x0 * x1 + y0 * y1 + z0 * z1)
+            a, b, c = scale * (y0 * z1 - z0 * y1), scale * (z0 * x1 - x0 * z1), scale * (x0 * y1 - y0 * x1)
+            before[s, 0, e], before[s, 1, e], before[s, 2, e] = a / l0, b / l0, c / l0
+            after[s, 0, e], after[s, 1, e], after[s, 2, e] = a / l1, b / l1, c / l1
+            edge[s, 0, e], edge[s, 1, e], edge[s, 2, e] = x1, y1, z1
+            length[s, e] = l1
 
 
 @loop

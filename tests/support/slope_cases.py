@@ -14,8 +14,8 @@ from dismech_cli.run.course import Course
 from dismech_cli.run.simulation import Simulation
 from dismech_cli.scenario.load import load_mapping
 from dismech_cli.session.sinks import Latest
+from dismech_cli.solve.differentiated import Differentiated
 from dismech_cli.solve.neighbours import DIFFERENCES, Neighbours
-from dismech_cli.solve.sensitivity import Differentiated
 from dismech_cli.solve.status import Status
 from dismech_cli.solve.tape import Tape, TapedStep
 

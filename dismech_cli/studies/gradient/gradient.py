@@ -23,9 +23,10 @@ from ...scenario.language.probe import Probe as ProbeSpec
 from ...scenario.load import LoadedScenario
 from ...session.narrator import Narrator, Silent
 from ...solve.adjoint import adjoint
+from ...solve.differentiated import Differentiated
 from ...solve.linear.factors import FactorizationError
 from ...solve.neighbours import DIFFERENCES
-from ...solve.sensitivity import NOWHERE, Differentiated, forward
+from ...solve.sensitivity import NOWHERE, forward
 from ...units import KINDS
 from ...words import hint
 from ..source import Source

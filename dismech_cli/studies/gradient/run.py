@@ -24,8 +24,8 @@ from ...session.composing import composed
 from ...session.narrator import Narrator
 from ...session.sinks import Latest, Several, Telling
 from ...solve.accelerations import SAME
+from ...solve.differentiated import Differentiated
 from ...solve.neighbours import UnlikeError
-from ...solve.sensitivity import Differentiated
 from ...solve.sweep import LOOPS
 from ...solve.tape import THROUGH_STAGES, Tape, TapedStep
 from ..source import Source
