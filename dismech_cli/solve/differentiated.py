@@ -27,7 +27,7 @@ from .sweep import Sides, turned_by, weighed_by
 from .tape import TapedStep
 
 # Stages that are gone through together take so many bytes, which stay near the processor.
-_ROOM: Final = 1 << 20
+_ROOM: Final = 1 << 21
 
 
 @dataclass(frozen=True, slots=True)

@@ -60,8 +60,9 @@ def forward(
         if model.jumps(first.start):
             d = replace(d, a=(_rubbed(model, first, d) if model.rubs else _balanced(model, first.start, d)))
         passage = model.passage(model.held(first.start.t), solved(model.integrator, leg))
-        for d in _through(model, passage, d, wanted):
-            yield d
+        for after in _through(model, passage, d, wanted):
+            yield after
+        d = after
         before = leg[-1].result.state
 
 

@@ -180,15 +180,12 @@ class Slope:
         self._stiffness = np.zeros((count, slots))
         self._damping = np.zeros((count, slots if self._damped else 0))
         unmoved, unshared = np.zeros(slots), np.zeros(n)
-        self._into = [
-            [
-                Linearization(row, stiffness, damping if self._damped else unmoved, ones)
-                for row in (*residuals, unshared)
-            ]
-            for residuals, stiffness, damping, ones in zip(
-                self._residuals, self._stiffness, self._damping, [[] for _ in range(count)], strict=True
-            )
-        ]
+        self._into: list[list[Linearization]] = []
+        for k in range(count):
+            stiffness, ones = self._stiffness[k], list[RankOne]()
+            damping = self._damping[k] if self._damped else unmoved
+            rows = (*self._residuals[k], unshared)
+            self._into.append([Linearization(row, stiffness, damping, ones) for row in rows])
 
     def pattern_of(self, free: BoolArray) -> SparsityPattern:
         """The pattern over some DOFs, given as a mask (n,); of one triangle if no slope needs both."""

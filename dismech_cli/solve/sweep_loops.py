@@ -1,9 +1,9 @@
 """Stages of sweeps of derivatives: what :mod:`.sensitivity` and :mod:`.adjoint` do in batches.
 
 Matrices of C stages are given as (stiffness, damping, mass, diagonal, indptr, indices, order): entries of
-dr/dq and dr/dv, shape (C, slots), the latter of shape (C, 0) where nothing depends on velocities; masses (n,),
-slots of the diagonal; compressed rows and the DOF of each of them. One triangle is stored where they are
-symmetric.
+dr/dq and dr/dv, shape (C, slots), the latter of shape (C, 0) where nothing depends on velocities; masses
+(n,), slots of the diagonal; compressed rows and the DOF of each of them. One triangle is stored where they
+are symmetric.
 
 A band is given as (places, room, work, free): the place of each entry in the band of the free DOFs, a spare
 one at its end for what is held; room for factors; for right-hand sides; the free DOFs in matrix order.

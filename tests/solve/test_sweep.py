@@ -66,7 +66,8 @@ def test_compiled_sweeps_are_those_in_batches(name: str, monkeypatch: pytest.Mon
     owed = [Owed(by_q.copy(), by_v.copy(), np.zeros_like(by_q), turns) for _ in range(2)]
     direct = adjoint(batches, simulation.start, steps, owed[0])
     assert_allclose(adjoint(swept, simulation.start, steps, owed[1]), direct, rtol=1e-9)
-    assert found and all(found)  # none needed a second thought
+    assert found
+    assert all(found)  # none needed a second thought
 
 
 def _whole_way(sweep: Any, found: list[bool]) -> Any:
