@@ -16,7 +16,7 @@ from ..arrays import FloatArray, IntArray
 from ..kernels.driver import Driver
 from ..kinematics.turning import Holonomy, TurningEdges
 from ..model.model import Model
-from . import sweep_loops, sweep_matrix, turn_loops
+from . import sweep_back, sweep_loops, sweep_matrix, turn_loops
 from .linear.sided_loops import ABREAST
 from .maps import Maps
 from .pattern import SparsityPattern
@@ -26,7 +26,7 @@ _WIDEST: Final = 24
 
 LOOPS: Final[tuple[Callable[..., Any], ...]] = (
     sweep_loops.all_forward,
-    sweep_loops.all_back,
+    sweep_back.all_back,
     turn_loops.turn_slopes,
     sweep_loops.weigh,
     turn_loops.mend,
@@ -191,7 +191,7 @@ def sweep_of(
     """
     if len(model.frames.turning) > 1 or not 0 < free.bandwidth <= _WIDEST:
         return None
-    forward, back = driver.compiled(sweep_loops.all_forward), driver.compiled(sweep_loops.all_back)
+    forward, back = driver.compiled(sweep_loops.all_forward), driver.compiled(sweep_back.all_back)
     if forward is None or back is None:
         return None
     return Sweep(whole, free, slots, model, forward, back)
