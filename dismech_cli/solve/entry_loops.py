@@ -5,93 +5,83 @@ from __future__ import annotations
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
+from ..geometry.hashed import hashed
 from ..geometry.kernel import loop
 
 
 @loop
-def count_pairs(
-    dofs: IntArray,
-    block: IntArray,
-    start: IntArray,
-    m: int,
-    both: bool,
-    places: IntArray,
-    counts: IntArray,
-) -> int:
-    """Find where the blocks of cliques begin, and count pairs of them by the row that they lie in.
+def gather_pairs(
+    dofs: IntArray, block: IntArray, start: IntArray, m: int, seen: IntArray, before: IntArray
+) -> IntArray:
+    """Pairs of blocks that cliques couple, after those of other cliques.
 
     Args:
         dofs: Of cliques that are alike, shape (S, D).
         block: Of each DOF, shape (n,).
         start: First free DOF of its block, m where all are fixed, shape (n,).
         m: Free DOFs.
-        both: Whether both triangles are stored.
-        places: First free DOF of each block of each clique, clique by clique, written, shape (S D,).
-        counts: Added to at the row after each, shape (m + 1,).
+        seen: Pairs seen last, changed: neighbours share most of theirs, which are then left out; as long as a
+            power of two.
+        before: Pairs of other cliques, shape (P, 2).
 
     Returns:
-        Blocks of a clique.
+        The places where the two blocks of each pair begin, the lower one first; a few pairs come again.
     """
     cliques, size = dofs.shape
-    n = 0
-    heads = np.empty(size, dtype=np.int64)
+    n, found = 0, len(before)
+    heads, places = np.empty(size, dtype=np.int64), np.empty(size, dtype=np.int64)
     for k in range(size if cliques else 0):
         here, last = dofs[0, k], dofs[0, max(k - 1, 0)]
         # a clique that visits a block twice in a row begins it anew
         if here <= last or block[here] != block[last]:
             heads[n] = k
             n += 1
+    pairs = np.empty((found + cliques * n * (n + 1) // 2, 2), dtype=np.int64)
+    pairs[:found] = before
     for s in range(cliques):
-        first = s * n
         for i in range(n):
-            places[first + i] = start[dofs[s, heads[i]]]
-        for i in range(n):
-            for j in range(i, n):
-                one, other = places[first + i], places[first + j]
-                low, high = min(one, other), max(one, other)
-                if high < m:
-                    counts[low + 1] += 1
-                    if both and high != low:
-                        counts[high + 1] += 1
-    return n
+            places[i] = start[dofs[s, heads[i]]]
+            for j in range(i + 1):
+                low, high = min(places[i], places[j]), max(places[i], places[j])
+                kept = hashed(low, high, len(seen))
+                if high < m and seen[kept] != low * m + high:
+                    seen[kept] = low * m + high
+                    pairs[found, 0], pairs[found, 1] = low, high
+                    found += 1
+    return pairs[:found]
 
 
 @loop
-def fill_pairs(places: IntArray, m: int, both: bool, at: IntArray, columns: IntArray) -> None:
-    """Write the columns of pairs of blocks (S, n) row by row; ``at`` is where each row goes on, (m + 1,)."""
-    for s in range(len(places)):
-        for i in range(places.shape[1]):
-            for j in range(i, places.shape[1]):
-                low, high = min(places[s, i], places[s, j]), max(places[s, i], places[s, j])
-                if high < m:
-                    columns[at[low]] = high
-                    at[low] += 1
-                    if both and high != low:
-                        columns[at[high]] = low
-                        at[high] += 1
-
-
-@loop
-def spread_pairs(begin: IntArray, columns: IntArray, width: IntArray, both: bool, keys: IntArray) -> int:
-    """Write the keys of all entries of blocks, each once, ascending.
+def spread_pairs(pairs: IntArray, width: IntArray, both: bool) -> IntArray:
+    """Keys of all entries of pairs of blocks, row times m plus column, each once, ascending.
 
     Args:
-        begin: Where the pairs of each row begin, shape (m + 1,).
-        columns: Their columns; each row is put in order.
+        pairs: See :func:`gather_pairs`.
         width: Free DOFs of the block that begins at each place, shape (m,).
         both: Whether both triangles are stored.
-        keys: Row times m plus column, written as far as it reaches.
-
-    Returns:
-        Number of keys.
     """
     m = len(width)
-    seen = np.full(m, -1, dtype=np.int64)
-    found = 0
+    begin = np.zeros(m + 1, dtype=np.int64)
+    for k in range(len(pairs)):
+        low, high = pairs[k, 0], pairs[k, 1]
+        begin[low + 1] += 1
+        if both and high != low:
+            begin[high + 1] += 1
+    for row in range(m):
+        begin[row + 1] += begin[row]
+    end, columns = begin[:m].copy(), np.empty(begin[m], dtype=np.int64)
+    for k in range(len(pairs)):
+        low, high = pairs[k, 0], pairs[k, 1]
+        columns[end[low]] = high
+        end[low] += 1
+        if both and high != low:
+            columns[end[high]] = low
+            end[high] += 1
+    seen, count = np.full(m, -1), 0
     for row in range(m):
         # each column once, in order: few of them, so by insertion
         last = begin[row]
-        for k in range(begin[row], begin[row + 1]):
+        for k in range(begin[row], end[row]):
             column = columns[k]
             if seen[column] != row:
                 seen[column] = row
@@ -101,16 +91,17 @@ def spread_pairs(begin: IntArray, columns: IntArray, width: IntArray, both: bool
                     place -= 1
                 columns[place] = column
                 last += 1
-        if last > begin[row]:
-            for inner in range(width[row]):
-                for k in range(begin[row], last):
-                    column = columns[k]
-                    first = inner if column == row and not both else 0
-                    for other in range(first, width[column]):
-                        if found < len(keys):
-                            keys[found] = (row + inner) * m + column + other
-                        found += 1
-    return found
+                count += width[row] * width[column]
+        end[row] = last
+    keys, found = np.empty(count, dtype=np.int64), 0
+    for row in range(m):
+        for inner in range(width[row] if end[row] > begin[row] else 0):
+            for k in range(begin[row], end[row]):
+                column = columns[k]
+                for other in range(inner if column == row and not both else 0, width[column]):
+                    keys[found] = (row + inner) * m + column + other
+                    found += 1
+    return keys[:found]
 
 
 @loop
@@ -164,10 +155,11 @@ def merge(
             j += 1
         # most rows have nothing new
         for k in range(i, end):
-            keys[found] = base[k]
-            indices[found] = base[k] - first
-            base_slots[k] = found
-            found += 1
+            place = np.uint64(found + k - i)
+            keys[place] = base[k]
+            indices[place] = base[k] - first
+            base_slots[k] = found + k - i
+        found += end - i
         for k in range(indptr[row], found):
             if indices[k] == row:
                 diagonal[row] = k

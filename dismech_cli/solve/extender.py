@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, Final, Protocol, TypeAlias
 
 import numpy as np
@@ -17,13 +17,15 @@ from .pattern import Blocks, Extension, SparsityPattern
 _Loop: TypeAlias = Callable[..., Any]
 
 LOOPS: Final[tuple[_Loop, ...]] = (
-    entry_loops.count_pairs,
-    entry_loops.fill_pairs,
+    entry_loops.gather_pairs,
     entry_loops.spread_pairs,
     entry_loops.merge,
     entry_loops.add_at,
 )
 """What :class:`CompiledExtender` is made of, after its blocks."""
+
+# Pairs of blocks that are remembered, a power of two.
+_SEEN: Final = 512
 
 
 class Extender(Protocol):
@@ -46,8 +48,7 @@ class CompiledExtender:
     Attributes:
         base: The pattern.
         blocks: Its blocks of DOFs.
-        count: See :func:`.entry_loops.count_pairs`.
-        fill: See there.
+        gather: See :func:`.entry_loops.gather_pairs`.
         spread: See there.
         merge: See there.
         add_at: See there.
@@ -55,29 +56,20 @@ class CompiledExtender:
 
     base: SparsityPattern
     blocks: Blocks
-    count: _Loop
-    fill: _Loop
+    gather: _Loop
     spread: _Loop
     merge: _Loop
     add_at: _Loop
 
     def entries(self, couplings: Iterable[Coupling]) -> IntArray:
-        """Keys of all entries of cliques: the pairs of blocks in buckets by rows."""
-        both, blocks = not self.base.symmetric, self.blocks
+        """Keys of all entries of cliques: pairs of blocks, in buckets by rows."""
+        blocks = self.blocks
         m = len(blocks.width)
-        counts = np.zeros(m + 1, dtype=np.int64)
-        cliques = [self._counted(coupling, both, counts) for coupling in couplings]
-        begin = np.cumsum(counts)
-        at, columns = begin.copy(), np.empty(int(begin[-1]), dtype=np.int64)
-        for places in cliques:
-            self.fill(places, m, both, at, columns)
-        keys = np.empty(2 * len(columns), dtype=np.int64)
-        found = self.spread(begin, columns, blocks.width, both, keys)
-        if found > len(keys):
-            keys = np.empty(found, dtype=np.int64)
-            # rows are in order by now, with columns left behind their last one that are in them already
-            self.spread(begin, columns, blocks.width, both, keys)
-        return keys[:found]
+        pairs, seen = np.empty((0, 2), dtype=np.int64), np.full(_SEEN, -1)
+        for coupling in couplings:
+            pairs = self.gather(coupling.dofs, blocks.of, blocks.start, m, seen, pairs)
+        keys: IntArray = self.spread(pairs, blocks.width, not self.base.symmetric)
+        return keys
 
     def extended(self, entries: IntArray) -> Extension:
         """The pattern with more entries."""
@@ -89,17 +81,9 @@ class CompiledExtender:
             base, self.base.indptr, entries, keys, base_slots, entry_slots, indptr, indices, diagonal
         )
         base_slots[-1] = found
-        pattern = replace(
-            self.base, keys=keys[:found], indptr=indptr, indices=indices[:found], diagonal=diagonal
-        )
+        b, rows = self.base, (keys[:found], indptr, indices[:found], diagonal)
+        pattern = SparsityPattern(b.free, b.order, b.block, *rows, symmetric=b.symmetric)
         return Extension(pattern, base_slots, entry_slots, entries)
-
-    def _counted(self, coupling: Coupling, both: bool, counts: IntArray) -> IntArray:
-        """Starts of the blocks of each clique, shape (S, blocks), their pairs counted."""
-        dofs, blocks = coupling.dofs, self.blocks
-        places = np.empty(dofs.size, dtype=np.int64)
-        n = self.count(dofs, blocks.of, blocks.start, len(blocks.width), both, places, counts)
-        return places[: len(dofs) * n].reshape(len(dofs), n)
 
 
 def extender_of(base: SparsityPattern, driver: Driver) -> Extender:

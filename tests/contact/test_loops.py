@@ -246,6 +246,8 @@ def test_places(compiled: Loops, symmetric: bool) -> None:
     dofs = DofMap(30, 0, (0, 1, 2), 30)
     nodes = RNG.integers(0, 30, size=(40, 4))
     nodes[0] = 5, 5, 8, 9
+    # pairs that come again, the other way round
+    nodes[30:] = nodes[:10, ::-1]
     stencils = Stencils(dofs, nodes)
     free = RNG.uniform(size=dofs.n) > 0.2
     chain = np.stack((np.arange(29), np.arange(1, 30)), axis=1)

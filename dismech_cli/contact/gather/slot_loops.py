@@ -7,10 +7,14 @@ from typing import Any, Final
 import numpy as np
 
 from ...arrays import BoolArray, IntArray
+from ...geometry.hashed import hashed
 from ...geometry.kernel import kernel, loop
 
 SKIPPED: Final = 0xFFFFFFFF
 """In place of a slot where a node is fixed."""
+
+# Pairs of nodes that are remembered, a power of two.
+_KEPT: Final = 512
 
 
 @kernel
@@ -102,37 +106,46 @@ def find_blocks(
     """
     n, count = dofs.shape[1] // d, 0
     places = np.empty(n, dtype=np.int64)
+    # neighbours share most of their pairs of nodes: where those found last begin among all slots
+    seen, begin, flat = np.full(_KEPT, -1), np.empty(_KEPT, dtype=np.int64), slots.reshape(-1)
     for s in range(len(dofs)):
         strange = False
         for i in range(n):
             first = order[dofs[s, i * d]]
             places[i] = first
             for a in range(1, d):
-                strange = strange or order[dofs[s, i * d + a]] != (first if first < 0 else first + a)
+                strange |= order[dofs[s, i * d + a]] != (first if first < 0 else first + a)
             for j in range(i):
-                strange = strange or dofs[s, i * d] == dofs[s, j * d]
+                strange |= dofs[s, i * d] == dofs[s, j * d]
         odd[s] = -1
         if strange:
             odd[s] = count
             count += 1
             continue
-        m, k = 0, 0
+        m, k = 0, s * slots.shape[1]
         for i in range(n):
             for j in range(i, n):
                 low, high = min(places[i], places[j]), max(places[i], places[j])
                 flipped[s, m] = places[i] > places[j]
+                m += 1
+                key, kept = low * len(order) + high, hashed(low, high, _KEPT)
+                if low >= 0 and seen[kept] == key:
+                    for a in range(d):
+                        flat[np.uint64(k + a)] = flat[np.uint64(begin[kept] + a)]
+                    k += d
+                    continue
+                seen[kept], begin[kept] = key, k
                 # the diagonal is the first of its row where one triangle is stored
                 off = 0 if i == j else 1
                 guess = indptr[low] if i == j and low >= 0 else -1
                 for row in range(low, low + d):
                     if low < 0:
-                        slots[s, k] = SKIPPED
+                        flat[k] = SKIPPED
                     else:
                         slot = slot_of(indptr, indices, row, max(row, high), guess)
-                        slots[s, k] = slot
+                        flat[k] = slot
                         guess = slot - indptr[row] - off + indptr[row + 1]
                     k += 1
-                m += 1
     return count
 
 
