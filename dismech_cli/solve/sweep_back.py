@@ -49,7 +49,7 @@ def go_back(
     """What is owed after a stage becomes what is before; False, with nothing done, where that takes thought.
 
     Args:
-        numbers: As of :func:`go_forward`.
+        numbers: As of :func:`.sweep_loops.go_forward`.
         maps: Likewise.
         owed: Derivative of the number to q, v, a, shape (3, n, 1); changed.
         turns: To the turns of frames, shape (E,); changed.
