@@ -20,11 +20,7 @@ import numpy as np
 
 from ..arrays import FloatArray, IntArray
 from ..geometry.kernel import loop
-from .linear.factors import RESIDUAL_GOAL
 from .sweep_matrix import add_product, fill, solved, total
-
-# Loops want plain numbers.
-_GOAL = RESIDUAL_GOAL
 
 
 @loop
