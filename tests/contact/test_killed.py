@@ -73,7 +73,7 @@ def test_killed_and_resumed_is_the_straight_run(nursery: Nursery, tmp_path: Path
     for _ in range(4):
         process = nursery.start(tmp_path, *command)
         wait_until(lambda: list(folder.glob("checkpoints/*.npz")) or finished(folder))
-        time.sleep(chance.uniform(0.0, 0.6))
+        time.sleep(chance.uniform(0.0, 0.1))
         process.signal(signal.SIGKILL)
         kills += process.wait().code == -signal.SIGKILL
         command = ["resume", "killed", "--checkpoint-every", "50ms"]
