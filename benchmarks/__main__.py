@@ -3,8 +3,7 @@
 Each section is written to results/<section>.md as soon as it is measured, and RESULTS.md joins
 them: a single section can be repeated without the others.
 
-``python -m benchmarks extremes``, ``published`` and ``scene_trade`` measure no time of a section; they write
-tables of their own.
+Other names (``TABLES``) measure no time of a section: they write tables of their own, as their files tell.
 """
 
 from __future__ import annotations
@@ -35,7 +34,16 @@ SECTIONS = (
     "drawing",
     "memory",
 )
-TABLES = ("adaptive", "check_times", "crossings", "extremes", "published", "scene_trade", "trade_tables")
+TABLES = (
+    "adaptive",
+    "before",
+    "check_times",
+    "crossings",
+    "extremes",
+    "published",
+    "scene_trade",
+    "trade_tables",
+)
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 HERE = Path(__file__).resolve().parent
 

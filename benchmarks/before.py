@@ -1,0 +1,185 @@
+"""This program beside an older checkout of it: whole runs as shipped, and steps of shells.
+
+python -m benchmarks before CHECKOUT [--turns N] [NAME ...]      writes benchmarks/results/before.md
+
+Both are run by the command line in turns, with the caches of earlier runs; each runs its own scenes.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import resource
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from dismech_cli.arrays import FloatArray
+from dismech_cli.output.manifest import load_manifest
+from dismech_cli.output.read import read
+
+from .shell_scenes import sheet_deck
+from .table import table
+
+HERE: Final = Path(__file__).parents[1]
+PAGE: Final = Path(__file__).with_name("results") / "before.md"
+# Steps of shells are those after this time, when the sheet moves and all is set up [s].
+_BEGIN, _END = 0.02, 0.1
+
+
+@dataclass(frozen=True, slots=True)
+class Ran:
+    """A run.
+
+    Attributes:
+        cpu: Of the whole process and those that it started [s].
+        steps: Wall time of its steps [s].
+        positions: Of the nodes, in the last frame [m], shape (N, 3).
+        length: Greatest way of a node since the first frame [m].
+    """
+
+    cpu: float
+    steps: float
+    positions: FloatArray
+    length: float
+
+
+@dataclass(frozen=True, slots=True)
+class Compared:
+    """What is run in both.
+
+    Attributes:
+        title: What it is.
+        least: How many times faster it is to be; None asks for nothing.
+        time: Seconds that count, of a run of the program in a folder.
+    """
+
+    title: str
+    least: float | None
+    time: Callable[[Path], tuple[float, Ran]]
+
+
+def ran(root: Path, scene: Path, *arguments: str) -> Ran:
+    """Run a scene by the program of a checkout."""
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    with tempfile.TemporaryDirectory() as folder:
+        out = Path(folder) / "run"
+        command = [sys.executable, "-m", "dismech_cli", "run", str(scene), "-o", str(out), *arguments]
+        # each checkout keeps kernels of its own
+        places = {
+            "PYTHONPATH": str(root),
+            "DISMECH_CACHE": str(Path(tempfile.gettempdir()) / f"dismech-{root.name}"),
+        }
+        subprocess.run(
+            command,
+            cwd=folder,
+            check=True,
+            capture_output=True,
+            env={**os.environ, **places, "PYTHONDONTWRITEBYTECODE": ""},
+        )
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+        with read(out) as run:
+            first, last = run.positions[0], run.positions[len(run) - 1]
+        return Ran(
+            after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime,
+            load_manifest(out).seconds["solve"],
+            last,
+            float(np.linalg.norm(last - first, axis=1).max()),
+        )
+
+
+def shipped(name: str, least: float | None, *arguments: str) -> Compared:
+    """CPU time of the whole process that runs a scene of the gallery."""
+
+    def time(root: Path) -> tuple[float, Ran]:
+        one = ran(root, root / "scenarios" / f"{name}.yaml", *arguments)
+        return one.cpu, one
+
+    return Compared(" ".join(["run", name, *arguments]), least, time)
+
+
+def steps(triangles: int, bending: str, dt: float, least: float) -> Compared:
+    """Wall time of steps of a falling sheet, each run's less those that it begins with."""
+
+    def time(root: Path) -> tuple[float, Ran]:
+        numerics: dict[str, Any] = {"dt": dt, "kernels": "numba"}
+        with tempfile.TemporaryDirectory() as folder:
+            scene = Path(folder) / "sheet.yaml"
+            taken = []
+            for end in (_BEGIN, _END):
+                deck = sheet_deck(triangles, bending=bending) | {"numerics": numerics | {"t_end": end}}
+                scene.write_text(json.dumps(deck), encoding="utf-8")
+                taken.append(ran(root, scene, "--no-render"))
+        return taken[1].steps - taken[0].steps, taken[1]
+
+    return Compared(f"steps of {triangles} triangles, {bending}, {1e3 * dt:g} ms", least, time)
+
+
+ALL: Final = (
+    shipped("jellyfish", 1.6, "--no-render"),
+    shipped("parachute", 1.6, "--no-render"),
+    shipped("snake", 2.0, "--no-render"),
+    shipped("helix_soft", 2.0, "--no-render"),
+    shipped("contortion", 2.0, "--no-render"),
+    shipped("cantilever_dynamic_1e5", None, "--no-render"),
+    shipped("contortion", None),
+    shipped("cantilever_dynamic_1e5", None),
+    steps(1000, "hinge", 5e-3, 1.0),
+    steps(1000, "hinge", 2e-3, 1.0),
+    steps(10_000, "hinge", 5e-3, 1.5),
+    steps(10_000, "hinge", 2e-3, 1.5),
+    steps(10_000, "midedge", 5e-3, 1.5),
+    steps(50_000, "hinge", 5e-3, 1.5),
+    steps(50_000, "midedge", 5e-3, 1.5),
+)
+
+
+def row(one: Compared, checkout: Path, turns: int) -> list[object]:
+    """Seconds of both, the median of their ratios, and how far apart the last frames are."""
+    times = []
+    for turn in range(turns + 1):
+        (old, before), (new, now) = one.time(checkout), one.time(HERE)
+        # the first fills the caches
+        if turn:
+            times.append((old, new))
+    seconds = np.array(times)
+    ratio = float(np.median(seconds[:, 0] / seconds[:, 1]))
+    apart = float(np.linalg.norm(now.positions - before.positions, axis=1).max())
+    told = "same bits" if apart == 0.0 else f"{apart / now.length:.1e}"
+    asked = "" if one.least is None else f" (bar {one.least:g}: {'met' if ratio >= one.least else 'missed'})"
+    return [one.title, *seconds.min(axis=0).tolist(), f"{ratio:.2f}{asked}", told]
+
+
+def main(arguments: Sequence[str]) -> None:
+    """Compare with a checkout, and write the table."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks before", description=__doc__)
+    parser.add_argument("checkout", type=Path, help="folder of the older program")
+    parser.add_argument("names", nargs="*", metavar="NAME", help="words of the titles; all without")
+    parser.add_argument("--turns", type=int, default=5)
+    asked = parser.parse_intermixed_args(arguments)
+    rows = []
+    for one in ALL:
+        if asked.names and not any(name in one.title for name in asked.names):
+            continue
+        rows.append(row(one, asked.checkout.resolve(), asked.turns))
+        print(*rows[-1], sep="  ", flush=True)
+        PAGE.write_text(page(rows), encoding="utf-8")
+
+
+def page(rows: Sequence[Sequence[object]]) -> str:
+    """The table of what was compared."""
+    head = ["what", "before [s]", "now [s]", "times faster", "last frames apart, of the motion"]
+    return (
+        "# Beside an older checkout\n\n"
+        "Written by `python -m benchmarks before CHECKOUT`: runs by the command line, in turns, one thread\n"
+        "and warm caches. Of runs the CPU time of the whole process and of those that draw for it, of steps\n"
+        "of shells their wall time; least of the turns, and the median of the ratios.\n\n"
+        f"{table(head, rows)}\n"
+    )
