@@ -8,7 +8,6 @@ import numpy as np
 
 from ..arrays import FloatArray
 from ..compose.bodies.shell import shell_mesh
-from ..compose.contact.obstacles import make_obstacle
 from ..compose.scene import make_scene
 from ..render.settings import Solid, Triple
 from ..scenario.language import obstacle as language
@@ -23,6 +22,9 @@ def solids_of(loaded: LoadedScenario, times: FloatArray) -> tuple[Solid, ...]:
     obstacles = loaded.scenario.obstacles
     if not obstacles:
         return ()
+    # what no scene without obstacles loads
+    from ..compose.contact.obstacles import make_obstacle
+
     scene = make_scene(loaded)
     found = []
     for index, one in enumerate(obstacles):

@@ -210,10 +210,15 @@ def test_a_resumed_run_is_the_straight_run(tmp_path: Path) -> None:
     assert_array_equal(table(tmp_path / "run"), table(tmp_path / "straight"))
 
 
-def test_a_scene_without_contact_loads_none_of_it() -> None:
+def test_a_scene_without_contact_loads_none_of_it(tmp_path: Path) -> None:
     code = (
         "import sys, dismech_cli\n"
-        "dismech_cli.simulate('scenarios/cantilever_small.yaml')\n"
+        "from pathlib import Path\n"
+        "from dismech_cli.output.read import read\n"
+        "from dismech_cli.session.picturing import asked_of, settings_of\n"
+        f"run = Path({str(tmp_path / 'run')!r})\n"
+        "dismech_cli.simulate('scenarios/cantilever_small.yaml', out=run)\n"
+        "settings_of(asked_of(run), read(run), None)\n"
         "assert not [name for name in sys.modules if '.contact' in name and 'scenario' not in name]\n"
     )
     root = Path(__file__).parents[2]
