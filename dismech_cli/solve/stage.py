@@ -50,6 +50,11 @@ class Stage:
     inputs: FloatArray
     lead: FloatArray | None = None
 
+    @property
+    def balanced_end(self) -> bool:
+        """Whether balance is enforced where the stage ends."""
+        return self.t_stage == self.t_end and self.weights.q == 1.0
+
     def position(self, q: FloatArray) -> FloatArray:
         """q_s(q)."""
         return self.weights.q * q + self.q0

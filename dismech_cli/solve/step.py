@@ -274,10 +274,10 @@ def through_stages(
         latest = stepper.predictor.learnt(stage, end)
         trail.append(latest)
     # What holds a mass also moves it, along its path and not as the integrator would have it.
-    held = stepper.held
-    wanted = mean_acceleration(start, latest, dt, held)
-    inertia = stepper.model.mass[held] * (wanted - stage.acceleration_of(result.q, held))
-    result.residual[held] += inertia
+    held, mass = stepper.held, stepper.model.mass[stepper.held]
+    inertia = mass * stage.acceleration_of(result.q, held)
+    reactions = result.residual[held] - inertia if stage.balanced_end else None
+    result.residual[held] += mass * mean_acceleration(start, latest, dt, held) - inertia
     return StepResult(
         latest,
         Status.CONVERGED,
@@ -287,4 +287,5 @@ def through_stages(
         -1,
         ambiguous,
         trail=tuple(trail),
+        reactions=reactions,
     )

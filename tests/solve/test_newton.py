@@ -34,7 +34,7 @@ from dismech_cli.kinematics.rod_frames import FrameState
 from dismech_cli.laws.laws import Constant, Table
 from dismech_cli.model.model import Model
 from dismech_cli.sections.rods import RodProperties, rod_properties, round_section
-from dismech_cli.solve.integrators import GeneralizedAlpha, ImplicitEuler, Static
+from dismech_cli.solve.integrators import GeneralizedAlpha, ImplicitEuler, Integrator, Static, TrBdf2
 from dismech_cli.solve.linear import pardiso
 from dismech_cli.solve.linear.banded import BandedSolver
 from dismech_cli.solve.linear.factors import Factors, LinearSolver
@@ -43,7 +43,7 @@ from dismech_cli.solve.newton import solve_stage
 from dismech_cli.solve.pattern import SparsityPattern
 from dismech_cli.solve.problem import NewtonSettings, StageProblem
 from dismech_cli.solve.result import NewtonResult
-from dismech_cli.solve.stage import Stage
+from dismech_cli.solve.stage import Stage, at_state
 from dismech_cli.solve.status import Status
 from dismech_cli.solve.step import Stepper
 from dismech_cli.solve.system import System
@@ -348,6 +348,23 @@ def test_reactions_balance_the_weight() -> None:
     # Held nodes carry their own weight in the residual, too.
     weight = 9.81 * model.mass[: model.dofs.n_positions : 3].sum()
     assert_allclose(reaction, [0.0, 0.0, weight], rtol=0, atol=1e-10 * weight)
+
+
+@pytest.mark.parametrize("integrator", [ImplicitEuler(), TrBdf2(), Static()])
+def test_what_terms_do_to_held_dofs_at_the_end_of_a_step(integrator: Integrator) -> None:
+    model = weighted(cantilever("framed"), (0.0, 0.0, -9.81), Constant(1.0))
+    model = massless(model) if isinstance(integrator, Static) else model
+    stepper = Stepper(model, integrator, NewtonSettings(tolerance=1e-12), "auto")
+    step = stepper.step(stepper.prepare(stepper.rest_state()), 0.02)
+    end = at_state(step.state)
+    forces = stepper.system.residual(end, step.state.q, step.state.frames)[stepper.held]
+    assert_allclose(step.reactions, forces, rtol=0, atol=1e-9 * np.abs(forces).max())
+
+
+def test_they_are_not_known_where_steps_end_out_of_balance() -> None:
+    model = weighted(cantilever("framed"), (0.0, 0.0, -9.81), Constant(1.0))
+    stepper = Stepper(model, GeneralizedAlpha(), NewtonSettings(), "auto")
+    assert stepper.step(stepper.prepare(stepper.rest_state()), 0.02).reactions is None
 
 
 def test_released_motion_frees_its_dofs() -> None:
