@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from itertools import product
 from typing import Any, Final
 
@@ -19,14 +20,6 @@ DENSITY: Final = (1.0, 1e3, 2e4)
 ASPECT: Final = (10.0, 1e2, 1e3, 1e4, 1e5)
 GRAVITY: Final = (0.0, 1e-3, 9.81, 1e3)
 STEP: Final = (1e-7, 1e-5, 1e-3, 1e-2, 0.1, 1.0)
-BASE: Final[dict[str, float]] = {
-    "modulus": 1e6,
-    "radius": 1e-3,
-    "density": 1e3,
-    "aspect": 1e2,
-    "gravity": 9.81,
-    "dt": 1e-2,
-}
 AXES: Final = {
     "modulus": MODULUS,
     "radius": RADIUS,
@@ -35,38 +28,68 @@ AXES: Final = {
     "gravity": GRAVITY,
     "dt": STEP,
 }
-SINGLE: Final = [(axis, value) for axis, values in AXES.items() for value in values if value != BASE[axis]]
-"""One input at an extreme, all others moderate."""
 NODES: Final = 21
 STEPS: Final = 5
 # Newton's tolerance in time is 1e-5 of the largest forces; theirs and those here are not counted alike.
 _BALANCED: Final = 1e-4
 
 
-def cantilever(
-    *,
-    modulus: float,
-    radius: float,
-    density: float,
-    aspect: float,
-    gravity: float,
-    dt: float | None,
-    integrator: str = "implicit_euler",
-    dimension: int = 2,
-) -> Deck:
-    """A cantilever of length ``aspect`` times its radius; static without ``dt``."""
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Inputs:
+    """What is put to its extremes.
+
+    Attributes:
+        modulus: Young's [Pa].
+        radius: Of the section [m].
+        density: Mass per volume [kg/m^3].
+        aspect: Length over radius.
+        gravity: Down z [m/s^2].
+        dt: The step [s]; None at rest.
+    """
+
+    modulus: float
+    radius: float
+    density: float
+    aspect: float
+    gravity: float
+    dt: float | None
+
+    @property
+    def rod(self) -> Rod:
+        """For the balance of forces."""
+        return Rod.round(
+            modulus=self.modulus,
+            radius=self.radius,
+            density=self.density,
+            length=self.aspect * self.radius,
+            nodes=NODES,
+            gravity=self.gravity,
+        )
+
+
+BASE: Final = Inputs(modulus=1e6, radius=1e-3, density=1e3, aspect=1e2, gravity=9.81, dt=1e-2)
+SINGLE: Final = [
+    (axis, value) for axis, values in AXES.items() for value in values if value != getattr(BASE, axis)
+]
+"""One input at an extreme, all others moderate."""
+
+
+def cantilever(inputs: Inputs, *, integrator: str = "implicit_euler", dimension: int = 2) -> Deck:
+    """A cantilever, in time or at rest."""
+    radius, dt = inputs.radius, inputs.dt
     numerics: dict[str, Any] = {"integrator": {"type": "static", "load_steps": 5}}
     if dt is not None:
         numerics = {"integrator": {"type": integrator}, "dt": dt, "t_end": STEPS * dt}
-    line = {"shape": "line", "from": [0, 0, 0], "to": [aspect * radius, 0, 0], "nodes": NODES}
+    line = {"shape": "line", "from": [0, 0, 0], "to": [inputs.aspect * radius, 0, 0], "nodes": NODES}
+    material = {"youngs_modulus": inputs.modulus, "poisson_ratio": 0.5, "density": inputs.density}
     return {
         "schema_version": 1,
         "name": "extreme",
         "dimension": dimension,
-        "materials": {"m": {"youngs_modulus": modulus, "poisson_ratio": 0.5, "density": density}},
+        "materials": {"m": material},
         "geometry": [{"type": "rod", "name": "rod", "material": "m", "radius": radius, "generate": line}],
         "motions": [{"type": "clamp", "where": "rod.start"}],
-        "forces": [{"type": "gravity", "acceleration": [0.0, 0.0, -gravity]}],
+        "forces": [{"type": "gravity", "acceleration": [0.0, 0.0, -inputs.gravity]}],
         "numerics": numerics,
         "output": {"every": dt or 0.2, "fields": ["velocity"]},
     }
@@ -75,15 +98,13 @@ def cantilever(
 def single(integrator: str) -> Iterator[Cell]:
     """One extreme input, in time."""
     for axis, value in SINGLE:
-        cell = BASE | {axis: value}
-        rod = rod_of(cell)
+        inputs = replace(BASE, **{axis: value})
+        right = in_balance if integrator == "implicit_euler" else no_energy_made
         yield Cell(
             f"one extreme, {integrator}",
             f"{axis} {value:g}",
-            cantilever(**cell, integrator=integrator),
-            in_balance(rod, cell["dt"])
-            if integrator == "implicit_euler"
-            else no_energy_made(rod, cell["dt"]),
+            cantilever(inputs, integrator=integrator),
+            right(inputs.rod, inputs.dt),
         )
 
 
@@ -91,31 +112,28 @@ def single_at_rest(dimension: int) -> Iterator[Cell]:
     """One extreme input, static."""
     for axis, value in SINGLE:
         if axis != "dt":
-            cell: dict[str, Any] = BASE | {axis: value, "dt": None}
+            inputs = replace(BASE, dt=None, **{axis: value})
             yield Cell(
                 f"one extreme, static, {dimension}D",
                 f"{axis} {value:g}",
-                cantilever(**cell, dimension=dimension),
-                in_balance(rod_of(cell), None),
+                cantilever(inputs, dimension=dimension),
+                in_balance(inputs.rod, None),
             )
 
 
 def corners(modulus: float, radius: float, aspect: float) -> Iterator[Cell]:
     """The product of the extremes of the other inputs, in time and static."""
     for density, gravity, dt in product(DENSITY[::2], GRAVITY[1::2], (*STEP[::3], STEP[-1], None)):
-        cell = {
-            "modulus": modulus,
-            "radius": radius,
-            "aspect": aspect,
-            "density": density,
-            "gravity": gravity,
-        }
-        label = ", ".join(f"{key} {value:g}" for key, value in cell.items())
+        inputs = Inputs(
+            modulus=modulus, radius=radius, density=density, aspect=aspect, gravity=gravity, dt=dt
+        )
+        label = f"modulus {modulus:g}, radius {radius:g}, aspect {aspect:g}, density {density:g}"
+        label += f", gravity {gravity:g}"
         yield Cell(
             "corner, static" if dt is None else "corner, implicit_euler",
             label if dt is None else f"{label}, dt {dt:g}",
-            cantilever(**cell, dt=dt),
-            in_balance(rod_of(cell), dt),
+            cantilever(inputs),
+            in_balance(inputs.rod, dt),
         )
 
 
@@ -130,7 +148,7 @@ def slender_sag() -> Iterator[Cell]:
     for modulus, aspect in product((1e3, 1e7, 1e12), ASPECT):
         radius, density = 1e-3, 1e3
         gravity = 5.0 * modulus * radius**2 / (4.0 * density * (aspect * radius) ** 3)
-        deck = cantilever(
+        inputs = Inputs(
             modulus=modulus, radius=radius, density=density, aspect=aspect, gravity=gravity, dt=None
         )
         # 21 nodes: discretisation 1e-3; a thick rod also stretches, by 5 (r/L)^2/8 at most
@@ -140,19 +158,9 @@ def slender_sag() -> Iterator[Cell]:
             drop = -report.frames[-1].positions[-1, 2] / length
             return near(drop, 0.4959050, share / 0.4959050, "sag over length")
 
-        yield Cell("slender, equal weight", f"modulus {modulus:g}, aspect {aspect:g}", deck, check)
-
-
-def rod_of(cell: dict[str, Any]) -> Rod:
-    """The rod of a cell for the balance of forces."""
-    return Rod.round(
-        modulus=cell["modulus"],
-        radius=cell["radius"],
-        density=cell["density"],
-        length=cell["aspect"] * cell["radius"],
-        nodes=NODES,
-        gravity=cell["gravity"],
-    )
+        yield Cell(
+            "slender, equal weight", f"modulus {modulus:g}, aspect {aspect:g}", cantilever(inputs), check
+        )
 
 
 def in_balance(rod: Rod, dt: float | None) -> Check:
