@@ -6,17 +6,22 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from math import inf
-from typing import Any
+from typing import ParamSpec, TypeVar
 
 from dismech_cli.arrays import FloatArray
 from dismech_cli.kernels.driver import Driver
+from dismech_cli.kernels.linearization import Coupling, Linearization, Pattern
 from dismech_cli.model.configuration import Configuration
 from dismech_cli.model.state import State
-from dismech_cli.model.term import Linearization, Pattern
+from dismech_cli.model.term import BoundEnergy, BoundTerm, Term
 from dismech_cli.run.simulation import Simulation
+from dismech_cli.solve.linear.factors import Factors, LinearSolver
 from dismech_cli.solve.step import Stepper
 
 from .scenes import stepper_of
+
+_P = ParamSpec("_P")
+_R = TypeVar("_R")
 
 PARTS = ("configuration", "terms", "assembly", "factorise", "solve", "rest")
 
@@ -40,12 +45,12 @@ class Split:
         if sum(self._spent.values()) < sum(self.least.values()):
             self.least = self._spent
 
-    def timed(self, part: str, function: Callable[..., Any]) -> Callable[..., Any]:
+    def timed(self, part: str, function: Callable[_P, _R]) -> Callable[_P, _R]:
         """The function, its time booked on a part."""
 
-        def call(*arguments: Any) -> Any:
+        def call(*arguments: _P.args, **named: _P.kwargs) -> _R:
             before = self._enter(part)
-            result = function(*arguments)
+            result = function(*arguments, **named)
             self._enter(before)
             return result
 
@@ -60,17 +65,45 @@ class Split:
 
 
 @dataclass(frozen=True)
-class _Timed:
-    """A term, free or bound, whose linearisation is booked on the terms."""
+class _TimedTerm:
+    """A term that is bound to one whose linearisation is booked."""
 
-    term: Any
+    term: Term
     split: Split
 
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self.term, name)
+    @property
+    def name(self) -> str:
+        return self.term.name
 
-    def bind(self, pattern: Pattern, driver: Driver) -> _Timed:
-        return _Timed(self.term.bind(pattern, driver), self.split)
+    @property
+    def velocity_dependent(self) -> bool:
+        return self.term.velocity_dependent
+
+    @property
+    def couplings(self) -> tuple[Coupling, ...]:
+        return self.term.couplings
+
+    def bind(self, pattern: Pattern, driver: Driver) -> _TimedBound:
+        return _TimedBound(self.term.bind(pattern, driver), self.split)
+
+
+@dataclass(frozen=True)
+class _TimedBound:
+    """A bound term whose linearisation is booked on the terms."""
+
+    term: BoundTerm
+    split: Split
+
+    @property
+    def name(self) -> str:
+        return self.term.name
+
+    @property
+    def potential(self) -> BoundEnergy | None:
+        return self.term.potential
+
+    def add_residual(self, c: Configuration, r: FloatArray) -> None:
+        self.term.add_residual(c, r)
 
     def add_linearization(self, c: Configuration, into: Linearization) -> None:
         self.split.timed("terms", self.term.add_linearization)(c, into)
@@ -80,7 +113,7 @@ class _Timed:
 class _TimedSolver:
     """A solver that books its factorisations, and the solutions with its factors."""
 
-    solver: Any
+    solver: LinearSolver
     split: Split
 
     @property
@@ -95,7 +128,7 @@ class _TimedSolver:
 class _TimedFactors:
     """Factors whose solutions are booked."""
 
-    factors: Any
+    factors: Factors
     split: Split
 
     @property
@@ -109,16 +142,19 @@ class _TimedFactors:
     def solve(self, rhs: FloatArray) -> FloatArray:
         return self.split.timed("solve", self.factors.solve)(rhs)
 
+    def solve_transposed(self, rhs: FloatArray) -> FloatArray:
+        return self.split.timed("solve", self.factors.solve_transposed)(rhs)
+
 
 def timed_stepper(simulation: Simulation, state: State, split: Split) -> Stepper:
     """A stepper bound at a state that books its time.
 
     It steps in Python: what runs within one compiled function cannot be told apart.
     """
-    terms = tuple(_Timed(term, split) for term in simulation.model.terms)
+    terms = tuple(_TimedTerm(term, split) for term in simulation.model.terms)
     stepper = stepper_of(replace(simulation, model=replace(simulation.model, terms=terms)))
     stepper.prepare(state)
-    stepper.system.woven = _nothing  # type: ignore[method-assign]
+    stepper.system._looked, stepper.system._woven = True, None
     for owner, method, part in (
         (stepper.system, "configuration", "configuration"),
         (stepper.system, "linearize", "assembly"),
@@ -126,7 +162,3 @@ def timed_stepper(simulation: Simulation, state: State, split: Split) -> Stepper
         setattr(owner, method, split.timed(part, getattr(owner, method)))
     stepper.system.solver = _TimedSolver(stepper.system.solver, split)
     return stepper
-
-
-def _nothing(*arguments: Any) -> None:
-    """In place of a compiled step."""

@@ -8,7 +8,7 @@ the residual share is +dE/dq of an energy and -f of a force.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import ClassVar, Protocol, TypeAlias
+from typing import Protocol, TypeAlias
 
 from ..arrays import FloatArray
 from ..kernels.driver import Driver
@@ -142,17 +142,15 @@ class ChangingTerm(Protocol):
 
 
 class Term(Protocol):
-    """A physical contribution, before it is bound to a matrix.
-
-    Attributes:
-        velocity_dependent: Whether the residual depends on velocity.
-    """
-
-    velocity_dependent: ClassVar[bool]
+    """A physical contribution, before it is bound to a matrix."""
 
     @property
     def name(self) -> str:
         """Unique name."""
+
+    @property
+    def velocity_dependent(self) -> bool:
+        """Whether the residual depends on velocity."""
 
     @property
     def couplings(self) -> tuple[Coupling, ...]:

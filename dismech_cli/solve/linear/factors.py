@@ -7,7 +7,7 @@ solve: PARDISO returns finite garbage for a singular matrix without an error.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import ClassVar, Protocol
+from typing import Protocol
 
 import numpy as np
 
@@ -52,7 +52,9 @@ class Factors(Protocol):
 class LinearSolver(Protocol):
     """Factorises matrices of the pattern it was made from: storage, ordering and symbolic work are done."""
 
-    name: ClassVar[str]
+    @property
+    def name(self) -> str:
+        """Its key in the table of solvers."""
 
     def factorize(self, values: FloatArray) -> Factors:
         """Factorise; raise :class:`FactorizationError` if that is impossible.
