@@ -9,6 +9,7 @@ import numpy as np
 
 from dismech_cli import load_mapping, simulate
 from dismech_cli.compose.compose import compose
+from dismech_cli.contact.contact import Contact
 from dismech_cli.model.model import Model
 from dismech_cli.model.state import State
 
@@ -95,5 +96,7 @@ def folded(triangles: int) -> Case:
     x = case.model.dofs.positions(q)
     x[:, 2] += np.random.default_rng(0).uniform(-0.05, 0.05, len(x)) * thickness
     (contact,) = case.model.changing
-    count = len(contact.faces.surface.nodes)  # type: ignore[attr-defined]
+    assert isinstance(contact, Contact)
+    assert contact.faces is not None
+    count = len(contact.faces.surface.nodes)
     return Case(f"three layers of {count} triangles", case.model, replace(case.state, q=q))

@@ -15,6 +15,7 @@ from scipy.sparse.csgraph import dijkstra
 
 from dismech_cli import Report
 from dismech_cli.arrays import BoolArray, FloatArray, IntArray
+from dismech_cli.contact.contact import Contact
 
 from .distances import between_segments, to_triangle
 from .passing import near
@@ -70,13 +71,12 @@ class Depths:
         self._rigid, self._lines, self._stop = Rigid.of(report), Lines.of(report), stop
         self._rest = np.concatenate((t.rest_positions, self._rigid.vertices(0.0)))
         self._triangles = np.concatenate((t.triangles, self._rigid.triangles + len(t.rest_positions)))
-        bodies, surfaces = len(t.bodies), self._rigid.surfaces
-        shapes = [one.shape for one, _ in surfaces]
+        bodies = len(t.bodies)
         body, half = [t.triangle_body], [0.5 * t.triangle_thickness]
-        for k, shape in enumerate(shapes):
-            count = len(shape.triangles)  # type: ignore[attr-defined]
+        for k, (_, shape, _) in enumerate(self._rigid.surfaces):
+            count = len(shape.triangles)
             body.append(np.full(count, bodies + k))
-            half.append(np.full(count, shape.half))  # type: ignore[attr-defined]
+            half.append(np.full(count, shape.half))
         self._body, self._half = np.concatenate(body), np.concatenate(half)
         self._touches = self._pairs(report, bodies)
         self._along = self._ways()
@@ -86,11 +86,12 @@ class Depths:
         names = report.composition.simulation.topology.bodies
         touches = np.zeros((bodies, bodies + len(self._rigid.surfaces)), dtype=np.bool_)
         for contact in report.composition.simulation.model.changing:
-            for first, second in contact.pairs:  # type: ignore[attr-defined]
+            assert isinstance(contact, Contact)
+            for first, second in contact.pairs:
                 if second in names:
                     i, j = names.index(first), names.index(second)
                     touches[i, j] = touches[j, i] = True
-        for k, (_, touching) in enumerate(self._rigid.surfaces):
+        for k, (*_, touching) in enumerate(self._rigid.surfaces):
             touches[list(touching), bodies + k] = True
         return touches
 

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Final, Self
+from typing import Final, Self
 
 import numpy as np
 
 from dismech_cli import Report
 from dismech_cli.arrays import FloatArray, IntArray
+from dismech_cli.contact.contact import Contact
 from dismech_cli.contact.obstacles.obstacle import HalfSpace, Obstacle, Rounded
+from dismech_cli.contact.obstacles.pose import Pose
 from dismech_cli.contact.obstacles.rigid_surface import RigidSurface
 from dismech_cli.contact.pieces.cores import BoxCore, LineCore, PointCore, SegmentCore
 
@@ -26,12 +28,12 @@ class Rigid:
 
     Attributes:
         solid: Those that have an inside, with the bodies that may touch them.
-        surfaces: Those of triangles, with the same.
+        surfaces: Where those of triangles are, their shape, and the same.
         triangles: Corners of all of these, shape (T, 3).
     """
 
     solid: tuple[tuple[Obstacle, frozenset[int]], ...]
-    surfaces: tuple[tuple[Obstacle, frozenset[int]], ...]
+    surfaces: tuple[tuple[Pose, RigidSurface, frozenset[int]], ...]
     triangles: IntArray
 
     @classmethod
@@ -40,14 +42,14 @@ class Rigid:
         solid, surfaces = [], []
         triangles, count = [np.empty((0, 3), dtype=np.int64)], 0
         for contact in report.composition.simulation.model.changing:
-            walls: Any = contact.walls  # type: ignore[attr-defined]
-            for wall in walls:
+            assert isinstance(contact, Contact)
+            for wall in contact.walls:
                 touching = frozenset(wall.lines.bodies.tolist())
                 shape = wall.obstacle.shape
                 if not isinstance(shape, RigidSurface):
                     solid.append((wall.obstacle, touching))
                     continue
-                surfaces.append((wall.obstacle, touching))
+                surfaces.append((wall.obstacle.pose, shape, touching))
                 triangles.append(count + shape.triangles)
                 count += len(shape.vertices)
         return cls(tuple(solid), tuple(surfaces), np.concatenate(triangles))
@@ -55,9 +57,8 @@ class Rigid:
     def vertices(self, t: float) -> FloatArray:
         """Of those of triangles at time ``t`` [s], in space [m], shape (V, 3)."""
         places = [np.empty((0, 3))]
-        for one, _ in self.surfaces:
-            assert isinstance(one.shape, RigidSurface)
-            places.append(one.pose.at(t).outward(one.shape.vertices.T).T)
+        for pose, shape, _ in self.surfaces:
+            places.append(pose.at(t).outward(shape.vertices.T).T)
         return np.concatenate(places)
 
     def gaps(self, t: float, ends: FloatArray, body: IntArray) -> FloatArray:
