@@ -208,7 +208,8 @@ class _Inside:
 
     def share_of(self, iteration: Callable[[], object], seconds: float) -> float:
         """CPU time of an iteration in units of its factorisation: the median of some turns."""
-        ratios, begun = [], process_time()
+        ratios: list[float] = []
+        begun = process_time()
         while len(ratios) < 3 or process_time() - begun < seconds:
             self.seconds, started = 0.0, process_time()
             for _ in range(10):

@@ -6,14 +6,22 @@ import contextlib
 import io
 import time
 from dataclasses import dataclass
+from math import sqrt
 
-import elastica as ea
 import numpy as np
+from elastica.boundary_conditions import OneEndFixedBC
+from elastica.external_forces import GravityForces
+from elastica.modules.base_system import BaseSystemCollection
+from elastica.modules.constraints import Constraints
+from elastica.modules.forcing import Forcing
+from elastica.rod.cosserat_rod import CosseratRod
+from elastica.timestepper import integrate
+from elastica.timestepper.symplectic_steppers import PositionVerlet
 
 from dismech_cli.arrays import FloatArray
 
 
-class _Scene(ea.BaseSystemCollection, ea.Constraints, ea.Forcing):
+class _Scene(BaseSystemCollection, Constraints, Forcing):
     """A rod with a clamp and gravity."""
 
 
@@ -37,21 +45,21 @@ class Wire:
     def transit(self) -> float:
         """Time in which an axial wave crosses an edge [s]: the scale of stable explicit steps."""
         edge = float(np.linalg.norm(self.nodes[1] - self.nodes[0]))
-        return edge / (self.youngs_modulus / self.density) ** 0.5
+        return edge / sqrt(self.youngs_modulus / self.density)
 
 
 def fall(wire: Wire, t_end: float, dt: float) -> tuple[FloatArray, float]:
     """Position of the tip at ``t_end`` after release from rest, and CPU time [s]."""
     scene, rod = _Scene(), _rod(wire)
     scene.append(rod)
-    scene.constrain(rod).using(ea.OneEndFixedBC, constrained_position_idx=(0,), constrained_director_idx=(0,))
-    scene.add_forcing_to(rod).using(ea.GravityForces, acc_gravity=np.array([0.0, 0.0, -9.81]))
+    scene.constrain(rod).using(OneEndFixedBC, constrained_position_idx=(0,), constrained_director_idx=(0,))
+    scene.add_forcing_to(rod).using(GravityForces, acc_gravity=np.array([0.0, 0.0, -9.81]))
     scene.finalize()
-    stepper = ea.PositionVerlet()
+    stepper = PositionVerlet()
     with contextlib.redirect_stdout(io.StringIO()), np.errstate(all="ignore"):
-        ea.integrate(stepper, scene, 10 * dt, 10, progress_bar=False)  # compiles
+        integrate(stepper, scene, 10 * dt, 10, progress_bar=False)  # compiles
         start = time.process_time()
-        ea.integrate(stepper, scene, t_end - 10 * dt, round(t_end / dt) - 10, 10 * dt, progress_bar=False)
+        integrate(stepper, scene, t_end - 10 * dt, round(t_end / dt) - 10, 10 * dt, progress_bar=False)
     return rod.position_collection[:, -1].copy(), time.process_time() - start
 
 
@@ -65,7 +73,7 @@ def largest_stable_step(wire: Wire, t_end: float) -> float:
     raise RuntimeError("no step tried was stable")
 
 
-def _rod(wire: Wire) -> ea.CosseratRod:
+def _rod(wire: Wire) -> CosseratRod:
     edges = np.diff(wire.nodes, axis=0)
     lengths = np.linalg.norm(edges, axis=1)
     tangents = edges / lengths[:, None]
@@ -74,7 +82,7 @@ def _rod(wire: Wire) -> ea.CosseratRod:
     first = np.cross(tangents, helper)
     first /= np.linalg.norm(first, axis=1)[:, None]
     second = np.cross(tangents, first)
-    rod = ea.CosseratRod.straight_rod(
+    rod = CosseratRod.straight_rod(
         len(edges),
         wire.nodes[0],
         tangents[0],

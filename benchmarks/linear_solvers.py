@@ -10,6 +10,7 @@ from dismech_cli.arrays import FloatArray
 from dismech_cli.kernels.linearization import Coupling
 from dismech_cli.kinematics.dofs import DofMap
 from dismech_cli.solve.linear.choice import LINEAR_SOLVERS, choose_solver
+from dismech_cli.solve.linear.factors import LinearSolver
 from dismech_cli.solve.pattern import SparsityPattern
 
 from .clock import in_turns
@@ -48,7 +49,7 @@ def timings(pattern: SparsityPattern, *, seconds: float) -> dict[str, float]:
             continue
         solver = make(pattern)
 
-        def action(solver=solver) -> None:
+        def action(solver: LinearSolver = solver) -> None:
             solver.factorize(values).solve(rhs)
 
         actions[name] = action

@@ -10,6 +10,8 @@ import numpy as np
 
 from dismech_cli.arrays import FloatArray
 from dismech_cli.compose.compose import compose
+from dismech_cli.scenario.language.geometry import Rod
+from dismech_cli.scenario.language.material import Material
 
 from .elastica_scenes import Wire, fall, largest_stable_step
 from .newton_iteration import advance
@@ -53,10 +55,12 @@ def wire_of(case: Case) -> Wire:
     """The rod of a scenario as plain numbers."""
     loaded = gallery(case.name)
     geometry = compose(loaded).geometry
-    (material,) = loaded.scenario.materials.values()
-    radius = loaded.scenario.geometry[0].radius
-    assert radius is not None
-    return Wire(geometry.nodes, radius, material.youngs_modulus, material.density)
+    (rod,), (material,) = loaded.scenario.geometry, loaded.scenario.materials.values()
+    match rod, material:
+        case Rod(radius=float(radius)), Material(youngs_modulus=float(modulus), density=float(density)):
+            return Wire(geometry.nodes, radius, modulus, density)
+        case _:
+            raise ValueError(f"{case.name} is no round rod that is the same all along")
 
 
 def chosen_step(case: Case, exact: FloatArray, swing: float) -> tuple[float, float]:
@@ -87,8 +91,8 @@ def report(quick: bool) -> str:
         errors = (100.0 * error, 100.0 * theirs_error, 100.0 * apart)
         costs = (mine / case.t_end, theirs / case.t_end, theirs / mine)
         rows.append((case.name, 1e3 * dt, 1e3 * explicit, *errors, *costs))
-    header = ("scene", "our dt [ms]", "PyElastica dt [ms]", "our error [%]", "PyElastica error [%]")
-    header += ("apart [%]", "ours [s/s]", "PyElastica [s/s]", "PyElastica / ours")
+    header = ["scene", "our dt [ms]", "PyElastica dt [ms]", "our error [%]", "PyElastica error [%]"]
+    header += ["apart [%]", "ours [s/s]", "PyElastica [s/s]", "PyElastica / ours"]
     return "\n\n".join(
         (
             "## Beside PyElastica\n\nCPU time per simulated second of the cheapest run whose error is below "

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -60,6 +61,11 @@ def cases() -> list[Case]:
     ]
 
 
+def extended(base: SparsityPattern, touching: Coupling) -> SparsityPattern:
+    """A pattern with the places of what touches besides."""
+    return base.extended(base.entries([touching])).pattern
+
+
 def report(quick: bool) -> str:
     """Milliseconds of the extension, and of a pattern built anew with the same couplings."""
     rows = []
@@ -69,12 +75,10 @@ def report(quick: bool) -> str:
         couplings = [c for term in case.model.terms for c in term.couplings]
         touching = Coupling(dofs.of_nodes(case.nodes).reshape(len(case.nodes), -1))
         base = SparsityPattern.build(dofs, free, couplings, symmetric=True)
-        larger = base.extended(base.entries([touching])).pattern
+        larger = extended(base, touching)
         actions: list[Callable[[], object]] = [
-            lambda base=base, touching=touching: base.extended(base.entries([touching])),
-            lambda dofs=dofs, free=free, all_=(*couplings, touching): SparsityPattern.build(
-                dofs, free, all_, symmetric=True
-            ),
+            partial(extended, base, touching),
+            partial(SparsityPattern.build, dofs, free, (*couplings, touching), symmetric=True),
         ]
         spent = 1e3 * in_turns(actions, seconds=1.0 if quick else 5.0).min(axis=0)
         added = (larger.nnz - base.nnz) / base.nnz

@@ -9,6 +9,7 @@ import numpy as np
 
 from dismech_cli.arrays import FloatArray
 from dismech_cli.output.frame import Frame
+from dismech_cli.run.clock import Clock
 from dismech_cli.run.loop import run
 from dismech_cli.run.simulation import Simulation
 from dismech_cli.run.sink import Progress
@@ -28,8 +29,8 @@ def _falling(scene: Callable[..., Simulation], **options: object) -> Callable[[s
 
 def _driven(name: str, *overrides: str) -> Callable[[str], Simulation]:
     """A scene of the gallery with more nodes, as bare as the others: nothing watched or written."""
-    bare = (f"geometry[0].generate.nodes={NODES}", "numerics.dt=10 ms", f"numerics.t_end={10 * STEPS} ms")
-    bare += ("expect={}", "output.fields=[]", "output.probes={}", "output.render={}")
+    bare = [f"geometry[0].generate.nodes={NODES}", "numerics.dt=10 ms", f"numerics.t_end={10 * STEPS} ms"]
+    bare += ["expect={}", "output.fields=[]", "output.probes={}", "output.render={}"]
     return lambda kernels: simulation_of(gallery(name, (*bare, *overrides, f"numerics.kernels={kernels}")))
 
 
@@ -59,13 +60,19 @@ class Nowhere:
     def progress(self, progress: Progress) -> None: ...
 
 
+def grid_of(simulation: Simulation) -> FloatArray:
+    """Times between which the steps of a run are fixed before it starts [s], shape (steps + 1,)."""
+    assert isinstance(simulation.control, Clock)
+    return simulation.control.grid
+
+
 def overhead(simulation: Simulation, *, seconds: float) -> float:
     """Time of a run over the time of its bare steps, less one; both set their stepper up."""
 
     def bare() -> None:
         stepper = stepper_of(simulation)
         state = stepper.prepare(stepper.rest_state())
-        for t in simulation.control.grid[1:].tolist():
+        for t in grid_of(simulation)[1:].tolist():
             state, _ = advance(stepper, state, t - state.t, 1)
             state = replace(state, t=t)  # as the run: its steps are the same to the last bit
 
@@ -82,7 +89,7 @@ def report(quick: bool) -> str:
             silent, observed = (
                 100.0
                 * overhead(
-                    replace(simulation, frame_every=k * float(simulation.control.grid[1])),
+                    replace(simulation, frame_every=k * float(grid_of(simulation)[1])),
                     seconds=1.0 if quick else 6.0,
                 )
                 for k in (STEPS, STEPS_PER_FRAME)

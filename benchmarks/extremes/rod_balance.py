@@ -73,7 +73,7 @@ class Rod:
     def forces(self, x: Array) -> Array:
         """Of elasticity on the nodes (N, 2) of a shape (N, 2) [N]."""
         places = np.arange(x.size)
-        moved = x.ravel()[None, :] + np.zeros((x.size, x.size), dtype=complex)
+        moved = np.tile(x.ravel().astype(np.complex128), (x.size, 1))
         moved[places, places] += 1j * _STEP
         energy = self.elastic(moved.reshape(x.size, self.nodes, 2))
         return -(energy.imag / _STEP).reshape(x.shape)
