@@ -11,7 +11,6 @@ from ...arrays import IntArray
 from ...csv_columns import read_columns
 from ...errors import MeshError
 from ...mesh.allowed import Allowed
-from ...mesh.files.read import read_mesh
 from ...mesh.generate import curves as generate
 from ...mesh.generate.polyline import polyline
 from ...mesh.mesh import Mesh
@@ -45,6 +44,8 @@ def with_ends(mesh: Mesh) -> dict[str, IntArray]:
 
 
 def _read(source: MeshFile, directory: Path) -> BodyMesh:
+    from ...mesh.files.read import read_mesh
+
     path = directory / source.file
     # What its shells are is theirs to say.
     allowed = Allowed(weld=source.weld / source.scale, slits=source.slits == "open", branches=True)

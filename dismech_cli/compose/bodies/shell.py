@@ -12,7 +12,6 @@ import numpy as np
 from ...arrays import FloatArray, IntArray
 from ...errors import MeshError
 from ...mesh.allowed import Allowed
-from ...mesh.files.read import read_mesh
 from ...mesh.generate import curved as generate_curved
 from ...mesh.generate import rings as generate_rings
 from ...mesh.generate.icosphere import icosphere
@@ -126,6 +125,8 @@ def _named(name: str, sides: IntArray) -> dict[str, IntArray]:
 
 
 def _read(source: SurfaceFile, directory: Path) -> BodyMesh:
+    from ...mesh.files.read import read_mesh
+
     path = directory / source.file
     allowed = Allowed(
         weld=source.weld / source.scale, slits=source.slits == "open", branches=source.branches != "refuse"
