@@ -1,9 +1,9 @@
-"""The protocol of controllers."""
+"""The protocols of controllers."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Protocol, TypeAlias
+from typing import Protocol, Self, TypeAlias, runtime_checkable
 
 from ..arrays import FloatArray
 
@@ -37,3 +37,11 @@ class Controller(Protocol):
         Returns:
             What is added to the natural strains, shape (n,), and the memory.
         """
+
+
+@runtime_checkable
+class Linear(Controller, Protocol):
+    """A controller that is linear but for its limits."""
+
+    def scaled(self, share: float) -> Self:
+        """With all gains times a share, and without limits."""

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from typing import Final, Protocol, Self, runtime_checkable
+from typing import Final
 
 import numpy as np
 
@@ -19,7 +19,7 @@ from ..errors import LawError
 from ..model.state import State
 from ..solve.status import Status
 from ..solve.step import Stepper
-from .controller import Controller
+from .controller import Linear
 from .loop import SampledLoop
 
 # What grows by less than this share from sample to sample is held for steady: motions that nothing resists
@@ -29,14 +29,6 @@ _GROWTH: Final = 1e-3
 # largest target.
 _MOVE: Final = 1e-6
 _TRIES: Final = 20
-
-
-@runtime_checkable
-class Linear(Controller, Protocol):
-    """A controller that is linear but for its limits."""
-
-    def scaled(self, share: float) -> Self:
-        """With all gains times a share, and without limits."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,17 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Final, Protocol
+from typing import TYPE_CHECKING, Final, Protocol
 
 import numpy as np
 
 from ..arrays import FloatArray
 from ..model.saved import within
 from ..model.state import State
-from .channel import Channel
-from .controller import Controller, Memory
-from .sensor import Reading, Sensor
-from .target import Target
+
+if TYPE_CHECKING:
+    from .channel import Channel
+    from .controller import Controller, Memory
+    from .sensor import Reading, Sensor
+    from .target import Target
 
 # A time this much before a sample, in periods, is that of the sample: rounding.
 _ROUNDING: Final = 1e-9

@@ -4,14 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
-from ..control.gain import Gain, Linear, loop_gain, steps_needed
+from ..control.controller import Linear
 from ..control.loop import SampledLoop
 from ..run.clock import time_grid
 from ..run.simulation import Simulation
 from ..scenario.language.numerics import Numerics
 from ..solve.step import Stepper
 from ..words import listed
+
+if TYPE_CHECKING:
+    from ..control.gain import Gain
 
 # Steps that may be spent on loops, and the share of those of a run that does it unasked.
 _MOST_STEPS, _SHARE = 4000, 0.05
@@ -77,6 +81,8 @@ def look_at_loops(
 def _findings(
     simulation: Simulation, loops: list[SampledLoop], dt: float | None, most: int
 ) -> Iterator[LoopFinding]:
+    from ..control.gain import loop_gain, steps_needed
+
     newton = replace(simulation.newton, tolerance=_TOLERANCE)
     stepper = Stepper(
         simulation.model, simulation.integrator, newton, simulation.linear_solver, simulation.advance

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 from ...arrays import IntArray
-from ...control.port import Port
 from ...laws.signal import Signal
 from ...scenario.language.actuation import Controlled, Driven
 from ..laws import Coordinates
 from ..scene import Scene
 
-Ports: TypeAlias = Mapping[int, Port]
+if TYPE_CHECKING:
+    from ...control.port import Port
+
+Ports: TypeAlias = "Mapping[int, Port]"
 """Where controlled springs are driven from, by the number of their actuation."""
 
 Following: TypeAlias = Callable[[IntArray, Coordinates], Signal]

@@ -29,7 +29,6 @@ from ...scenario.language.probe import (
 )
 from ...scenario.text.tree import KeyPath
 from ..control.control import Control
-from ..control.probes import control_probe
 from ..scene import Scene
 from ..structure.structure import Structure
 from ..touching import named_pairs
@@ -112,6 +111,8 @@ def make_probe(
         case ContactProbe():
             return _touch_probe(scene, probe, path)
         case SensorProbe() | ControlProbe() | ShapeProbe():
+            from ..control.probes import control_probe
+
             return control_probe(scene, control, probe, path)
         case StabilityProbe():
             return probes.NegativeEigenvalues()
