@@ -5,7 +5,7 @@ from __future__ import annotations
 from ..kernels.driver import Driver
 from ..kernels.numba_driver import NumbaDriver
 from ..kernels.numpy_driver import NumpyDriver
-from ..run.adaptive import RTOL
+from ..run.tolerance import RTOL
 from ..scenario.language import numerics
 from ..scenario.load import LoadedScenario
 from ..solve import integrators

@@ -11,15 +11,10 @@ import numpy as np
 from ..arrays import FloatArray
 from ..laws.laws import Law
 from ..model.model import Model
-from ..run.accuracy import Accuracy
-from ..run.adaptive import LENGTHS, RTOL, Adaptive, Tolerance
 from ..run.clock import Clock, time_grid
-from ..run.error_norm import ErrorNorm
 from ..run.looks import Looks, at_ends, within
-from ..run.pace import find_pace
-from ..run.path_control import PathControl
 from ..run.step_control import StepControl
-from ..run.stops import Stops
+from ..run.tolerance import LENGTHS, RTOL, Tolerance
 from ..scenario.language.numerics import Numerics, Static
 from ..scenario.load import LoadedScenario
 from ..scenario.values.law import PLACES, ExpressionLaw, RampLaw, SawtoothLaw, SineLaw, TableLaw
@@ -61,6 +56,8 @@ def make_stepping(
     cuts, integrator = numerics.step.max_cuts, numerics.integrator
     if isinstance(integrator, Static):
         if integrator.path is not None:
+            from ..run.path_control import PathControl
+
             path = integrator.path
             first = min(path.first, path.largest)
             return Stepping(PathControl(first, path.largest, path.steps, cuts), every or 0.0)
@@ -72,7 +69,27 @@ def make_stepping(
     if not numerics.adapts:
         assert numerics.dt is not None
         return Stepping(Clock(time_grid(numerics.dt, t_end, (*releases, *samples)), cuts), every)
-    tolerance, scheme = _tolerance(numerics, t_end), build_integrator(integrator)
+    return _adaptive(loaded, model, start, samples, releases, every, t_end)
+
+
+def _adaptive(
+    loaded: LoadedScenario,
+    model: Model,
+    start: FloatArray,
+    samples: tuple[float, ...],
+    releases: tuple[float, ...],
+    every: float,
+    t_end: float,
+) -> Stepping:
+    """Steps as long as a tolerance allows, between releases of motions and samples."""
+    from ..run.accuracy import Accuracy
+    from ..run.adaptive import Adaptive
+    from ..run.error_norm import ErrorNorm
+    from ..run.pace import find_pace
+    from ..run.stops import Stops
+
+    numerics = loaded.scenario.numerics
+    tolerance, scheme = _tolerance(numerics, t_end), build_integrator(numerics.integrator)
     # what rings, or touches, moves in a step as no cubic does: frames, and times that expectations ask for,
     # then lie at the ends of steps
     smooth = scheme.damping > 0 and loaded.scenario.contact is None

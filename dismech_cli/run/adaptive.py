@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import ClassVar, Final
+from typing import ClassVar
 
 from ..model.saved import Arrays, Numbers
 from ..solve.step_result import StepResult
@@ -11,26 +11,10 @@ from .accuracy import Accuracy
 from .barred import Barred
 from .growing import MOST, STANDS, grown, shrunk
 from .stops import Stops
+from .tolerance import Tolerance
 
 # A run takes about so many steps at this tolerance, and these after every event.
 _STEPS, _AT, _RESTART = 250.0, 1e-3, 6
-
-
-@dataclass(frozen=True, slots=True)
-class Tolerance:
-    """What a user asks of adaptive steps.
-
-    Attributes:
-        rtol: Error of a step as a share of the motion.
-        first: Step at the start and after events [s].
-        shortest: Step below which none is cut [s].
-        longest: Step beyond which none grows [s].
-    """
-
-    rtol: float
-    first: float
-    shortest: float
-    longest: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -197,10 +181,3 @@ def _inaccurate(forced: int, shortest: float) -> str:
         f"{forced} steps as short as numerics.step.dt_min = {shortest:.3g} s were less accurate than "
         "numerics.step.rtol asks for: make dt_min shorter, or see what moves so fast"
     )
-
-
-LENGTHS: Final = (1e-3, 1e-7, 0.1)
-"""First, shortest and longest step by default, as shares of the run: measured on 24 scenes."""
-
-RTOL: Final = 5e-4
-"""Error of a step as a share of the motion, by default: ends of swings are then right to about 1 %."""

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from shlex import quote
 
-from ..run.adaptive import RTOL
 from ..run.interrupt import StopRequest
 from ..run.loop import End, Limits, Outcome
+from ..run.tolerance import RTOL
 from ..scenario.language.scenario import Scenario
 from ..scenario.load import LoadedScenario
 from .exit_codes import Exit

@@ -14,7 +14,7 @@ import numpy as np
 from ...arrays import IntArray
 from ...kinematics.strains import joint_angles
 from ...mesh.topology.rods import ChainKind, chains, rod_stencils
-from ...run.adaptive import RTOL
+from ...run.tolerance import RTOL
 from ...scenario.language.actuation import CurvatureActuation, TwistActuation
 from ...scenario.language.contact import BarrierLaw, CompatLaw, PenaltyLaw
 from ...scenario.language.force import Distributed, Point
