@@ -12,7 +12,6 @@ from ...scenario.language.force import Buoyancy, Gravity, Point
 from ..scene import Scene
 from ..structure.masses import nodal_mass, nodal_volume
 from ..structure.structure import Structure
-from .followers import carried_at_nodes, follower_loads
 from .vectors import Place, Vector, dead_loads
 
 
@@ -38,6 +37,8 @@ def point(scene: Scene, structure: Structure, place: Place, force: Point) -> Ite
     nodes = scene.places.nodes(place.key("where"))
     vector = Vector.of(scene, place.name, place.key("force"), force.force)
     if force.follower:
+        from .followers import carried_at_nodes, follower_loads
+
         return follower_loads(scene, structure, vector, carried_at_nodes(scene, structure, nodes))
     once = np.bincount(nodes, minlength=structure.dofs.n_nodes).astype(np.float64)
     return dead_loads(scene, structure, vector, once)

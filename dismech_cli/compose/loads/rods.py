@@ -7,9 +7,6 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from ...arrays import FloatArray
-from ...forces.moment import EdgeMoment
-from ...forces.resistive import resistive_force
-from ...forces.viscous import ViscousDamping
 from ...mesh.measure import nodal_lengths
 from ...model.term import Term
 from ...scenario.language.force import Distributed, Moment, Resistive, Viscous
@@ -17,8 +14,6 @@ from ..bodies.geometry import Geometry
 from ..laws import components, vanishes
 from ..scene import Scene
 from ..structure.structure import Structure
-from .flow import in_flow
-from .followers import carried_by_edges, follower_loads
 from .vectors import Place, Vector, dead_loads
 
 
@@ -26,6 +21,8 @@ def distributed(scene: Scene, structure: Structure, place: Place, force: Distrib
     """A force per rest length."""
     vector = Vector.of(scene, place.name, place.key("force_per_length"), force.force_per_length)
     if force.follower:
+        from .followers import carried_by_edges, follower_loads
+
         carried = carried_by_edges(scene, structure, _selected(scene.geometry, force.rods))
         return follower_loads(scene, structure, vector, [carried])
     return dead_loads(scene, structure, vector, _nodal_lengths(scene, structure, force.rods))
@@ -33,6 +30,9 @@ def distributed(scene: Scene, structure: Structure, place: Place, force: Distrib
 
 def viscous(scene: Scene, structure: Structure, place: Place, force: Viscous) -> Iterator[Term]:
     """Drag by length, the same in every direction."""
+    from ...forces.viscous import ViscousDamping
+    from .flow import in_flow
+
     dofs, length = structure.dofs, _nodal_lengths(scene, structure, force.rods)
     damped = np.flatnonzero(length)
     drag = ViscousDamping(place.name, dofs.of_nodes(damped), force.coefficient * length[damped])
@@ -41,6 +41,9 @@ def viscous(scene: Scene, structure: Structure, place: Place, force: Viscous) ->
 
 def resistive(scene: Scene, structure: Structure, place: Place, force: Resistive) -> Iterator[Term]:
     """Drag by length, along the rod and across it."""
+    from ...forces.resistive import resistive_force
+    from .flow import in_flow
+
     geometry = scene.geometry
     wet = np.flatnonzero(_selected(geometry, force.rods))
     drag = resistive_force(
@@ -55,6 +58,8 @@ def moment(scene: Scene, structure: Structure, place: Place, force: Moment) -> I
     Raises:
         ScenarioError: A node is none of a rod, or a moment turns out of the plane of the scene.
     """
+    from ...forces.moment import EdgeMoment
+
     geometry, dofs = scene.geometry, structure.dofs
     nodes = scene.places.nodes(place.key("where"))
     degree = np.bincount(geometry.edges.reshape(-1), minlength=len(geometry.nodes))

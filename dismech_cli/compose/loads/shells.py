@@ -7,13 +7,6 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
-from ...forces.aerodynamic import aerodynamic_drag
-from ...forces.edge_torque import EdgeTorque
-from ...forces.hydrodynamic import area_damping as damping_term
-from ...forces.hydrodynamic import hydrodynamic_drag
-from ...forces.moment import EdgeMoment
-from ...forces.pressure import pressure as pressure_term
-from ...forces.thrust import thrust as thrust_term
 from ...mesh.measure import edge_lengths, nodal_areas, nodal_lengths
 from ...mesh.topology.shells import rims
 from ...mesh.topology.sides import half_edges, side_counts
@@ -32,13 +25,14 @@ from ..laws import components, vanishes
 from ..scene import Scene
 from ..structure.masses import nodal_mass
 from ..structure.structure import Structure
-from .flow import in_flow
-from .followers import carried_by_sides, follower_loads
 from .vectors import Place, Vector, dead_loads
 
 
 def aerodynamic(scene: Scene, structure: Structure, place: Place, force: Aerodynamic) -> Iterator[Term]:
     """Quadratic drag along the normals."""
+    from ...forces.aerodynamic import aerodynamic_drag
+    from .flow import in_flow
+
     wet = _selected(scene.geometry, force.shells)
     drag = aerodynamic_drag(
         place.name,
@@ -53,6 +47,9 @@ def aerodynamic(scene: Scene, structure: Structure, place: Place, force: Aerodyn
 
 def hydrodynamic(scene: Scene, structure: Structure, place: Place, force: Hydrodynamic) -> Iterator[Term]:
     """Linear drag of a fluid."""
+    from ...forces.hydrodynamic import hydrodynamic_drag
+    from .flow import in_flow
+
     area = _nodal_areas(scene, structure, force.shells)
     drag = hydrodynamic_drag(
         place.name, structure.dofs, area, fluid_density=force.fluid_density, coefficient=force.coefficient
@@ -62,6 +59,8 @@ def hydrodynamic(scene: Scene, structure: Structure, place: Place, force: Hydrod
 
 def area_damping(scene: Scene, structure: Structure, place: Place, force: AreaDamping) -> Iterator[Term]:
     """Linear damping by area."""
+    from ...forces.hydrodynamic import area_damping as damping_term
+
     yield damping_term(
         place.name, structure.dofs, _nodal_areas(scene, structure, force.shells), force.coefficient
     )
@@ -69,6 +68,8 @@ def area_damping(scene: Scene, structure: Structure, place: Place, force: AreaDa
 
 def pressure(scene: Scene, structure: Structure, place: Place, force: Pressure) -> Iterator[Term]:
     """Pressure on a shell."""
+    from ...forces.pressure import pressure as pressure_term
+
     triangles = structure.shell_edges.bodies[force.shell].triangles
     _refuse_branches(scene, place, force.shell, triangles)
     yield pressure_term(place.name, structure.dofs, triangles, scene.laws(force.pressure))
@@ -80,6 +81,8 @@ def thrust(scene: Scene, structure: Structure, place: Place, force: Thrust) -> I
     Raises:
         ScenarioError: The shell does not have one opening.
     """
+    from ...forces.thrust import thrust as thrust_term
+
     geometry, dofs = scene.geometry, structure.dofs
     triangles = structure.shell_edges.bodies[force.shell].triangles
     _refuse_branches(scene, place, force.shell, triangles)
@@ -134,6 +137,8 @@ def line_load(scene: Scene, structure: Structure, place: Place, force: LineLoad)
         raise scene.error(place.key("where"), "selects no edge of a shell")
     vector = Vector.of(scene, place.name, place.key("force_per_length"), force.force_per_length)
     if force.follower:
+        from .followers import carried_by_sides, follower_loads
+
         return follower_loads(scene, structure, vector, [carried_by_sides(scene, structure, edges)])
     length = nodal_lengths(structure.dofs.n_nodes, edges, edge_lengths(geometry.nodes, edges))
     return dead_loads(scene, structure, vector, length)
@@ -145,6 +150,9 @@ def line_moment(scene: Scene, structure: Structure, place: Place, force: LineMom
     Raises:
         ScenarioError: It selects no edge, or one without a normal to turn.
     """
+    from ...forces.edge_torque import EdgeTorque
+    from ...forces.moment import EdgeMoment
+
     dofs, with_normals = structure.dofs, structure.shell_edges.edges
     nodes = scene.places.nodes(place.key("where"))
     edges = np.flatnonzero(np.isin(with_normals, nodes).all(axis=1))
