@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,7 +18,6 @@ from ..kinematics.motion import Since, prescribe
 from ..kinematics.rod_frames import FrameState
 from ..model.state import State
 from .integrators import Integrator
-from .marched import Held, March
 from .newton import FULL_STEPS
 from .predictor import Predictor
 from .problem import NewtonSettings, rule
@@ -25,6 +25,9 @@ from .stage_maps import StageMaps
 from .status import Status
 from .step_result import StepResult
 from .system import System
+
+if TYPE_CHECKING:
+    from .marched import March
 
 # Grids whose times are rounded have a few lengths of steps.
 _LENGTHS = 64
@@ -165,6 +168,8 @@ class Plain:
         woven = system.woven(lambda: system.at(start))
         if woven is None:
             return None
+        from .marched import Held
+
         maps = tuple([self._maps_of(dt) for dt in lengths])
         ends = [t + end for t, of_step in zip(times, maps, strict=False) for end in of_step.ends]
         march = woven.march(

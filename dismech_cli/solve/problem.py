@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from math import sqrt
 from sys import maxsize
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 from ..arrays import FloatArray, IntArray
 from ..kinematics.rod_frames import FrameState
@@ -14,10 +14,12 @@ from .assembly import Linearized
 from .kept import Kept
 from .linear.factors import Factors
 from .linear.updated import UpdatedFactors
-from .marched import Rule
 from .stage import Stage
 from .system import System
-from .woven import Solved
+
+if TYPE_CHECKING:
+    from .marched import Rule
+    from .woven import Solved
 
 
 class ExhaustedError(Exception):
@@ -102,6 +104,8 @@ class NewtonSettings:
 
 def rule(system: System, settings: NewtonSettings, most: int, slow: int = maxsize) -> Rule:
     """The same for compiled steps, with ``most`` factorisations at most, and fewer than ``slow``."""
+    from .marched import Rule
+
     return Rule(min(most, settings.max_iterations), slow, settings.tolerance, system.extent)
 
 

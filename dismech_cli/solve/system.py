@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import cached_property
 from math import sqrt
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..arrays import BoolArray, FloatArray
 from ..kernels.linearization import Coupling, all_symmetric
 from ..kernels.loop_text import LoopText
-from ..kernels.projection import ProjectedDriver
 from ..kinematics.motion import held_dofs
 from ..kinematics.rod_frames import FrameState
 from ..model.configuration import Configuration
@@ -20,6 +20,7 @@ from ..model.state import State
 from ..model.term import BoundChanging, BoundEnergy, BoundTerm, Memory
 from ..model.touch import Touch
 from .assembly import Assembly, Linearized, Terms
+from .linear import band_loops
 from .linear.banded import BandedSolver
 from .linear.choice import LINEAR_SOLVERS, choose_solver
 from .linear.factors import LinearSolver
@@ -27,8 +28,9 @@ from .overlay import Overlay, convexly, exactly
 from .pattern import Outline, Sized, SparsityPattern
 from .stage import Stage
 from .trials import Trials, at, trial
-from .weaving import obstacle, weaving
-from .woven import Woven, weave
+
+if TYPE_CHECKING:
+    from .woven import Woven
 
 _EPS = float(np.finfo(np.float64).eps)
 
@@ -71,6 +73,8 @@ def step_loops(model: Model, solver: str = "auto") -> tuple[tuple[LoopText, ...]
         model: The semi-discrete system.
         solver: Key of ``LINEAR_SOLVERS``, or ``"auto"``.
     """
+    from .weaving import obstacle, weaving
+
     free = ~held_dofs(model.motions, model.dofs.n, 0.0)
     if why_not := obstacle(model, int(free.sum())):
         return (), why_not
@@ -130,7 +134,10 @@ class System:
         """The compiled steps, where the model has them; ``at`` is asked once for a point to look at."""
         if not self._looked:
             self._looked = True
-            if self._make_solver is BandedSolver:
+            banded, driver = self._make_solver is BandedSolver, self.model.driver
+            if banded and driver.compiled(band_loops.pivoted) is not None:
+                from .woven import weave
+
                 self._woven = weave(self.model, self.pattern, at())
         return self._woven
 
@@ -162,6 +169,8 @@ class System:
     @cached_property
     def _projected(self) -> Terms:
         """The terms with projected tangents; bound when first needed, which is seldom."""
+        from ..kernels.projection import ProjectedDriver
+
         return Terms.bound(self.model, self._base, ProjectedDriver(self.model.driver), convexly)
 
     def _analysed(self, pattern: SparsityPattern) -> LinearSolver:

@@ -22,7 +22,6 @@ from ..model.configuration import Configuration
 from ..model.model import Model
 from ..model.state import State
 from ..model.term import BoundTerm
-from .linear import band_loops
 from .marched import Held, March, Rows, Rule, Stacked
 from .pattern import SparsityPattern
 from .stage import Stage
@@ -242,7 +241,7 @@ def weave(model: Model, pattern: SparsityPattern, at: Configuration) -> Woven | 
         at: Some configuration.
     """
     tables = model.frames.tables
-    if tables is None or model.driver.compiled(band_loops.pivoted) is None:
+    if tables is None:
         return None
     found = weaving(model, pattern, at)
     if found.text is None:
