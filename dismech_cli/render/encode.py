@@ -42,6 +42,8 @@ def require_encoder() -> str:
         program = str(imageio_ffmpeg.get_ffmpeg_exe())
     except (ImportError, RuntimeError) as error:
         raise RenderError(_MISSING) from error
+    if program != os.environ.get("IMAGEIO_FFMPEG_EXE"):
+        return program  # found by imageio_ffmpeg, which has started it
     try:
         subprocess.run([program, "-version"], check=True, capture_output=True, timeout=_PATIENCE)
     except (OSError, subprocess.SubprocessError) as error:
