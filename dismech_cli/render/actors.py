@@ -1,4 +1,4 @@
-"""Parts on the stage of pyvista."""
+"""Parts on the stage."""
 
 from __future__ import annotations
 
@@ -45,9 +45,10 @@ class PartActor:
         self.actor: Any = make_actor(self._surface)
         shade(self.actor, smooth=smooth, parallel=parallel)
         if mesh and part.meshed:
-            self.actor.prop.show_edges = True
-            self.actor.prop.edge_color = _MESH_COLOR
-            self.actor.prop.edge_opacity = _MESH_OPACITY
+            look = self.actor.GetProperty()
+            look.EdgeVisibilityOn()
+            look.SetEdgeColor(*_MESH_COLOR)
+            look.SetEdgeOpacity(_MESH_OPACITY)
 
     def move(self, t: float, positions: FloatArray) -> None:
         """Place it."""

@@ -15,7 +15,7 @@ from .polydata import make_actor, surface
 from .window import Window
 
 _RESOLUTION = 256
-_SHADE = (28, 34, 44)
+_SHADE = (19, 29, 40)
 _DARKNESS = 0.34
 _SOFT = 0.022  # of the side of the map
 _ROOM = 0.10  # around the shadow, so that it fades inside the map
@@ -33,6 +33,7 @@ class Floor:
             renderer: The stage.
         """
         import pyvista as pv
+        from vtkmodules.vtkRenderingCore import vtkTexture
 
         self._height = framing.floor - origin[2] - 1e-3 * framing.half_height
         self._slope = _light(framing.basis)
@@ -44,12 +45,12 @@ class Floor:
         self._plane: Any = surface(points, np.array([[0, 1, 2], [0, 2, 3]]))
         self._plane.active_texture_coordinates = corners
         self._image: Any = pv.ImageData(dimensions=(_RESOLUTION, _RESOLUTION, 1))
-        make_texture: Any = pv.Texture
-        texture = make_texture(self._image)
-        texture.interpolate = True
+        texture: Any = vtkTexture()
+        texture.SetInputData(self._image)
+        texture.InterpolateOn()
         actor = make_actor(self._plane)
-        actor.texture = texture
-        actor.prop.lighting = False
+        actor.SetTexture(texture)
+        actor.GetProperty().LightingOff()
         # the shade is translucent whatever VTK finds in the texture of the moment
         actor.ForceTranslucentOn()
         renderer.AddActor(actor)
@@ -87,7 +88,7 @@ class Floor:
         """The surface of a part, white whatever lights there are."""
         shadow = surface(actor.points, actor.faces)
         shown = make_actor(shadow)
-        shown.prop.lighting = False
+        shown.GetProperty().LightingOff()
         self._window.renderer.AddActor(shown)
         return shadow
 

@@ -1,4 +1,4 @@
-"""Surfaces and lines of pyvista, and what stands on its stage for them."""
+"""Surfaces and lines of pyvista, and what stands on the stage for them."""
 
 from __future__ import annotations
 
@@ -41,13 +41,11 @@ def chain_cells(chains: IntArray) -> IntArray:
 
 def make_actor(data: Any) -> Any:
     """What stands on the stage for surfaces or lines."""
-    import pyvista as pv
-    from vtkmodules.vtkRenderingCore import vtkPolyDataMapper
+    from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 
-    # that of surfaces: pyvista's own takes data of any kind
     mapper = vtkPolyDataMapper()
     mapper.SetInputData(data)
-    actor: Any = pv.Actor()
+    actor: Any = vtkActor()
     actor.SetMapper(mapper)
     return actor
 
@@ -55,7 +53,8 @@ def make_actor(data: Any) -> Any:
 def make_lines(data: Any, color: Rgb, width: float) -> Any:
     """What stands on the stage for lines of one colour that no light changes; the width in pixels."""
     actor = make_actor(data)
-    actor.prop.color = tuple(channel / 255 for channel in color)
-    actor.prop.line_width = width
-    actor.prop.lighting = False
+    look = actor.GetProperty()
+    look.SetColor(*(channel / 255 for channel in color))
+    look.SetLineWidth(width)
+    look.LightingOff()
     return actor

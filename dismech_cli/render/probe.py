@@ -65,7 +65,7 @@ def draw_triangle() -> None:
     window = Window((64, 64), (255, 255, 255), oversampling=1)
     points = np.array([[-0.5, -0.5, 0.0], [0.5, -0.5, 0.0], [0.0, 0.5, 0.0]], dtype=np.float32)
     triangle = make_actor(surface(points, np.array([[0, 1, 2]])))
-    triangle.prop.color = "black"
+    triangle.GetProperty().SetColor(0.0, 0.0, 0.0)
     window.renderer.AddActor(triangle)
     window.aim(np.eye(3), np.zeros(3), 1.0, 4.0, 2.0)
     image, _ = window.shoot()

@@ -76,7 +76,7 @@ class Scene:
             actor.paint(self._stage.painter.colors(actor.part, shot))
         for ghost, t in zip(self._ghosts, self._stage.settings.ghosts, strict=True):
             for one in ghost:
-                one.visibility = t < shot.t
+                one.SetVisibility(t < shot.t)
         if self._trails is not None:
             self._trails.draw(self._stage.trails(shot))
         if self._floor is not None:

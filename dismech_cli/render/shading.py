@@ -8,7 +8,10 @@ from __future__ import annotations
 
 from typing import Any, Final
 
-_KEY, _FILL = ((-0.7, 1.1, 1.3), 0.88, "#fffaf2"), ((1.2, -0.1, 0.9), 0.38, "#e2ebff")
+_KEY: Final = ((-0.7, 1.1, 1.3), 0.88, (255, 250, 242))
+_FILL: Final = ((1.2, -0.1, 0.9), 0.38, (226, 235, 255))
+# Highlights are those of a pale sky.
+_SKY: Final = (173, 216, 230)
 _AMBIENT, _DIFFUSE, _SPECULAR, _POWER = 0.42, 0.66, 0.22, 30.0
 # Light alone would make a pale shape dark on one side.
 _FADED: Final = (0.78, 0.24, 0.0)
@@ -36,12 +39,15 @@ _END: Final = """
 
 def add_lights(renderer: Any) -> None:
     """Key and fill light that turn with the camera, so that every view is lit alike."""
-    import pyvista as pv
+    from vtkmodules.vtkRenderingCore import vtkLight
 
     for position, intensity, color in (_KEY, _FILL):
-        renderer.AddLight(
-            pv.Light(position=position, intensity=intensity, color=color, light_type="camera light")
-        )
+        light: Any = vtkLight()
+        light.SetLightTypeToCameraLight()
+        light.SetPosition(*position)
+        light.SetIntensity(intensity)
+        light.SetColor(*(channel / 255 for channel in color))
+        renderer.AddLight(light)
 
 
 def shade(actor: Any, *, smooth: bool, parallel: bool) -> None:
@@ -52,12 +58,16 @@ def shade(actor: Any, *, smooth: bool, parallel: bool) -> None:
         smooth: Whether normals are averaged over the facets.
         parallel: Whether all lines of sight are parallel.
     """
-    material = actor.prop
-    material.ambient, material.diffuse, material.specular = _AMBIENT, _DIFFUSE, _SPECULAR
-    material.specular_power = _POWER
+    material = actor.GetProperty()
+    _reflect(material, _AMBIENT, _DIFFUSE, _SPECULAR)
+    material.SetSpecularColor(*(channel / 255 for channel in _SKY))
+    material.SetSpecularPower(_POWER)
     # Surfaces are closed: hiding what is turned away halves the work, and thin shells do not flicker.
-    material.culling = "back"
-    material.interpolation = "phong" if smooth else "flat"
+    material.BackfaceCullingOn()
+    if smooth:
+        material.SetInterpolationToPhong()
+    else:
+        material.SetInterpolationToFlat()
     eye = "vec3(0.0, 0.0, 1.0)" if parallel else "normalize(-vertexVC.xyz)"
     text = f"vec3 toEye = {eye};" + _BEGIN + "".join(_LIGHT.format(k=k) for k in (0, 1)) + _END
     program = actor.GetShaderProperty()
@@ -67,4 +77,11 @@ def shade(actor: Any, *, smooth: bool, parallel: bool) -> None:
 
 def fade(actor: Any) -> None:
     """Give a part the material of an earlier shape."""
-    actor.prop.ambient, actor.prop.diffuse, actor.prop.specular = _FADED
+    _reflect(actor.GetProperty(), *_FADED)
+
+
+def _reflect(material: Any, ambient: float, diffuse: float, specular: float) -> None:
+    """Set the shares of light that come back."""
+    material.SetAmbient(ambient)
+    material.SetDiffuse(diffuse)
+    material.SetSpecular(specular)

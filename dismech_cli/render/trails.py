@@ -15,7 +15,7 @@ WIDTH = 1 / 360  # of the height of the picture
 
 
 class Trails:
-    """One line for each node, on the stage of pyvista."""
+    """One line for each node, on the stage."""
 
     def __init__(self, height: int, color: Rgb, origin: FloatArray, renderer: Any) -> None:
         """Draw nothing yet.

@@ -1,7 +1,8 @@
-"""A stage of pyvista that nobody sees, and what is read from it."""
+"""A stage of VTK that nobody sees, and what is read from it."""
 
 from __future__ import annotations
 
+import sys
 from typing import Any
 
 import numpy as np
@@ -31,19 +32,26 @@ class Window:
             paper: Colour of the background.
             oversampling: Pixels of the window for one of a picture, along each side.
         """
-        import pyvista as pv
+        import vtkmodules.vtkRenderingOpenGL2  # noqa: F401  what draws
         from vtkmodules.vtkCommonCore import vtkFloatArray, vtkUnsignedCharArray
+        from vtkmodules.vtkRenderingCore import vtkCamera, vtkRenderer, vtkRenderWindow
 
         self._width, self._height = (oversampling * n for n in size)
         self._oversampling = oversampling
-        plotter: Any = pv.Plotter(off_screen=True, window_size=[self._width, self._height], lighting="none")
-        self._plotter = plotter
-        self.renderer: Any = plotter.renderer
+        self.renderer: Any = vtkRenderer()
+        self.renderer.AutomaticLightCreationOff()
+        self._camera: Any = vtkCamera()
+        self.renderer.SetActiveCamera(self._camera)
         self.renderer.SetBackground(*(channel / 255 for channel in paper))
         self.renderer.SetBackgroundAlpha(0.0)
         # At most one thing is translucent: passes that sort several would take longer than the picture.
         self.renderer.SetUseOIT(False)
-        self._window: Any = plotter.render_window
+        self._window: Any = vtkRenderWindow()
+        self._window.SetOffScreenRendering(True)
+        if sys.platform == "darwin":
+            self._window.SetConnectContextToNSView(False)  # else off-screen windows open all the same
+        self._window.SetSize(self._width, self._height)
+        self._window.AddRenderer(self.renderer)
         self._window.SetMultiSamples(0)
         self._window.SetAlphaBitPlanes(1)
         # Nobody looks at the window: pictures are read where they are drawn.
@@ -69,16 +77,16 @@ class Window:
             reach: What is drawn lies nearer than this to the plane through the middle.
             angle: Height of the field of view [rad]; 0 is a parallel projection.
         """
-        camera = self._plotter.camera
-        camera.focal_point = tuple(center)
-        camera.position = tuple(center + distance * basis[2])
-        camera.up = tuple(basis[1])
-        camera.parallel_projection = angle == 0.0
+        camera = self._camera
+        camera.SetFocalPoint(*center)
+        camera.SetPosition(*(center + distance * basis[2]))
+        camera.SetViewUp(*basis[1])
+        camera.SetParallelProjection(angle == 0.0)
         if angle:
-            camera.view_angle = float(np.degrees(angle))
+            camera.SetViewAngle(float(np.degrees(angle)))
         else:
-            camera.parallel_scale = half_height
-        camera.clipping_range = (max(distance - reach, 1e-3 * distance), distance + reach)
+            camera.SetParallelScale(half_height)
+        camera.SetClippingRange(max(distance - reach, 1e-3 * distance), distance + reach)
 
     def shoot(self) -> tuple[Image, tuple[slice, slice]]:
         """Draw.
@@ -87,14 +95,13 @@ class Window:
             Colours and opacity of a part of the picture, shape (rows, columns, 4), and where it is: the
             rest is empty. Colours are those on the paper, wherever it shows through.
         """
-        import pyvista as pv
         from PIL import Image as Pillow
 
         self._window.Render()
         back = 0
         self._window.GetRGBACharPixelData(0, 0, self._width - 1, self._height - 1, back, self._colors, 0)
         # rows come from the foot of the picture
-        whole = pv.convert_array(self._colors).reshape(self._height, self._width, 4)
+        whole = _values(self._colors).reshape(self._height, self._width, 4)
         rows, columns = _filled(whole)
         count = rows.stop - rows.start
         # as CMYK, Pillow averages four channels without a thought for what they mean
@@ -111,25 +118,28 @@ class Window:
             where: As :meth:`shoot` returns it.
             stride: Pixels of the picture for one of the result, along each side.
         """
-        import pyvista as pv
-
-        camera = self._plotter.camera
         k = self._oversampling
         top, foot = (self._height - k * row for row in (where[0].start, where[0].stop))
         left, right = k * where[1].start, k * where[1].stop
         self._window.GetZbufferData(left, foot, right - 1, top - 1, self._depths)
-        z = pv.convert_array(self._depths).reshape(top - foot, right - left)[::-1][
-            :: k * stride, :: k * stride
-        ]
-        near, far = camera.clipping_range
+        z = _values(self._depths).reshape(top - foot, right - left)[::-1][:: k * stride, :: k * stride]
+        near, far = self._camera.GetClippingRange()
         deep = near + z * (far - near)
-        if not camera.parallel_projection:
+        if not self._camera.GetParallelProjection():
             deep = near * far / (far - z * (far - near))
         return np.where(z < 1.0, deep, np.inf)
 
     def close(self) -> None:
         """Let go of the graphics library."""
-        self._plotter.close()
+        self._window.Finalize()
+
+
+def _values(array: Any) -> NDArray[Any]:
+    """The numbers of an array of VTK, where they are, shape (tuples, components)."""
+    from vtkmodules.util import numpy_support
+
+    see: Any = numpy_support.vtk_to_numpy
+    return np.asarray(see(array))
 
 
 def _filled(whole: Image) -> tuple[slice, slice]:

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from dismech_cli.render import probe
+from dismech_cli.render import child, probe
 from dismech_cli.render.balls import balls_at
 from dismech_cli.render.floor import _blur
 from dismech_cli.render.occlusion import _sums_of_nine
@@ -73,3 +76,19 @@ def test_what_fills_the_last_corner_is_read():
         assert (part[..., 3] == 255).sum() == pytest.approx(25.6**2, rel=0.05)
         window.renderer.RemoveActor(actor)
     window.close()
+
+
+def test_drawing_loads_no_plotting_of_pyvista():
+    if probe.find_renderer() != "pyvista":
+        pytest.skip("this machine has no OpenGL library")
+    # these take longer to load than a dozen pictures to draw
+    code = (
+        "import sys\n"
+        "from dismech_cli.render.probe import draw_triangle\n"
+        "draw_triangle()\n"
+        "assert 'vtkmodules.vtkRenderingOpenGL2' in sys.modules\n"
+        "assert not {'pyvista.plotting', 'matplotlib.pyplot'} & set(sys.modules)\n"
+    )
+    environment = child.environment()
+    done = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, check=False)
+    assert done.returncode == 0, done.stderr
