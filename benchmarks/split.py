@@ -123,6 +123,10 @@ class _TimedSolver:
     def factorize(self, values: FloatArray) -> _TimedFactors:
         return _TimedFactors(self.split.timed("factorise", self.solver.factorize)(values), self.split)
 
+    def nearly(self, values: FloatArray, cheap: float) -> _TimedFactors | None:
+        made = self.split.timed("factorise", self.solver.nearly)(values, cheap)
+        return None if made is None else _TimedFactors(made, self.split)
+
 
 @dataclass(frozen=True)
 class _TimedFactors:

@@ -41,6 +41,14 @@ class Kept:
             (None, None) if factors.indefinite or factors.price < _CHEAP else (solver, factors)
         )
 
+    def begin(self, solver: LinearSolver, values: FloatArray) -> bool:
+        """Keep factors of a tangent in single precision; whether there are any worth it."""
+        self.drop()
+        rough = solver.nearly(values, _CHEAP)
+        if rough is not None:
+            self.solver, self.factors = solver, rough
+        return rough is not None
+
     def drop(self) -> None:
         """Keep none: others are about to be made."""
         self.solver = self.factors = None

@@ -65,6 +65,9 @@ class Tangent:
 _SAFE = 0.9
 # The residual along a step counts as balanced below this share of what it was, and is looked at so often.
 _FLAT, _LOOKS = 0.3, 8
+# Tangent over inertia up to which single precision will do: rounding is then a hundredth of the inertia, so
+# that iterations on rough factors gain two digits each, and a tangent that is indefinite by more is seen.
+_STIFF = 1e5
 
 Factorize: TypeAlias = "Callable[[StageProblem, FloatArray, Linearized], Tangent]"
 
@@ -250,13 +253,26 @@ class StageProblem:
             FactorizationError: The matrix is singular or not finite.
         """
         if self.stage.weights.a > 0.0 and not self.used_up:
-            step = self.kept.solve(self.system.solver, self.system.pattern, now, rhs)
+            step = self._iterated(now, rhs)
             if step is not None:
                 self.spent += 1
                 return step, False
         tangent = self.tangent(q, now)
         self.kept.keep(self.system.solver, tangent.factors)
         return tangent.updated(now).solve(rhs), tangent.factors.indefinite
+
+    def _iterated(self, now: Linearized, rhs: FloatArray) -> FloatArray | None:
+        """The step by iterations on kept factors, or on rough ones; None where neither are near enough."""
+        solver, pattern = self.system.solver, self.system.pattern
+        step = self.kept.solve(solver, pattern, now, rhs)
+        if step is not None or self.system.changing or not self._lively(now):
+            return step
+        return self.kept.solve(solver, pattern, now, rhs) if self.kept.begin(solver, now.values) else None
+
+    def _lively(self, now: Linearized) -> bool:
+        """Whether no mass is held much more stiffly than its inertia holds it."""
+        inertia = self.stage.weights.a * self.system.model.mass[self.free]
+        return bool((now.values[self.diagonal] <= _STIFF * inertia)[inertia > 0.0].all())
 
     def tangent(self, q: FloatArray, now: Linearized) -> Tangent:
         """The tangent to step with, as the settings choose it; raises as :meth:`factorize` does."""

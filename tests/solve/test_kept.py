@@ -6,7 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from cases import SILICONE, clamped, isotropic_rod, straight, weighted
+from cases import SILICONE, clamped, framed_rod, isotropic_rod, straight, weighted
+from derivatives import dense
+from linear_systems import system
 from numpy.testing import assert_allclose, assert_array_equal
 from shell_cases import shell
 
@@ -15,11 +17,12 @@ from dismech_cli.laws.laws import Constant
 from dismech_cli.mesh.generate.sheets import sheet
 from dismech_cli.model.model import Model
 from dismech_cli.model.state import State
-from dismech_cli.solve import kept
+from dismech_cli.solve import kept, problem
 from dismech_cli.solve.integrators import GeneralizedAlpha, ImplicitEuler, Integrator, TrBdf2
+from dismech_cli.solve.linear import pardiso
 from dismech_cli.solve.linear.choice import LINEAR_SOLVERS
 from dismech_cli.solve.linear.iterations import conjugate_gradients, conjugate_residuals
-from dismech_cli.solve.linear.pardiso import pardiso_available
+from dismech_cli.solve.linear.pardiso import PardisoSolver, pardiso_available
 from dismech_cli.solve.linear.superlu import SuperLuSolver
 from dismech_cli.solve.problem import NewtonSettings
 from dismech_cli.solve.status import Status
@@ -115,6 +118,68 @@ def test_the_same_motion_with_one_factorisation_a_step(
     half, _ = moved(Stepper(model, integrator, NewtonSettings(), solver), 4, dt=0.03)
     end, _ = moved(Stepper(model, integrator, NewtonSettings(), solver), 4, half, 0.03)
     assert_array_equal(end.q, state.q)
+
+
+needs_pardiso = pytest.mark.skipif(not pardiso_available(), reason="MKL is not installed")
+
+
+@needs_pardiso
+def test_rough_factors_are_right_to_single_precision(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(pardiso, "_SMALL", 0)
+    pattern, values = system("positive", framed_rod(*straight(20), SILICONE))
+    solver = PardisoSolver(pattern)
+    # least numbers of single precision are larger
+    rhs = 1e-60 * RNG.normal(size=pattern.m)
+    rough = solver.nearly(values, 0.0)
+    assert rough is not None
+    matrix = dense(pattern, values)
+    error = np.linalg.norm(matrix @ rough.solve(rhs) - rhs) / np.linalg.norm(rhs)
+    assert 1e-12 < error < 1e-6 * np.linalg.cond(matrix)
+    assert solver.nearly(values, 1e9) is None
+    assert solver.nearly(-values, 0.0) is None
+    for kind in ("indefinite", "unsymmetric"):
+        pattern, values = system(kind, framed_rod(*straight(20), SILICONE))
+        assert PardisoSolver(pattern).nearly(values, 0.0) is None
+
+
+@needs_pardiso
+def test_the_same_motion_on_rough_factors(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One a step where inertia counts; where all is stiff beside it, and in what is small, none."""
+    model = falling_sheet()
+    known, _ = moved(Stepper(model, TrBdf2(), TIGHT, "pardiso"), 8, dt=0.03)
+    anew, _ = moved(Stepper(model, TrBdf2(), NewtonSettings(), "pardiso"), 8, dt=0.03)
+    monkeypatch.setattr(pardiso, "_SMALL", 0)
+    monkeypatch.setattr(kept, "_CHEAP", 0.0)
+    monkeypatch.setattr(kept, "int", lambda price: 12, raising=False)
+    made = {PardisoSolver.factorize: 0, PardisoSolver.nearly: 0}
+
+    def counted(original):  # type: ignore[no-untyped-def]
+        def call(*arguments):  # type: ignore[no-untyped-def]
+            made[original] += 1
+            return original(*arguments)
+
+        return call
+
+    exact, nearly = made
+    monkeypatch.setattr(PardisoSolver, "factorize", counted(exact))
+    monkeypatch.setattr(PardisoSolver, "nearly", counted(nearly))
+    stepper = Stepper(model, TrBdf2(), NewtonSettings(), "pardiso")
+    first = stepper.prepare(stepper.rest_state())
+    made[exact] = 0  # the start has its accelerations by exact factors
+    state, results = moved(stepper, 8, first, dt=0.03)
+    assert sum(r.iterations for r in results) >= 12
+    assert made[nearly] == 8
+    assert made[exact] <= 1
+    size = np.abs(known.q - model.rest).max()
+    error, before = np.abs(state.q - known.q).max(), np.abs(anew.q - known.q).max()
+    assert error <= 2.0 * before + 1e-9 * size
+    half, _ = moved(Stepper(model, TrBdf2(), NewtonSettings(), "pardiso"), 4, dt=0.03)
+    end, _ = moved(Stepper(model, TrBdf2(), NewtonSettings(), "pardiso"), 4, half, 0.03)
+    assert_array_equal(end.q, state.q)
+    monkeypatch.setattr(problem, "_STIFF", 0.1)
+    made[nearly] = 0
+    moved(Stepper(model, TrBdf2(), NewtonSettings(), "pardiso"), 2, dt=0.03)
+    assert made[nearly] == 0
 
 
 def test_cheap_factors_are_made_anew() -> None:

@@ -63,6 +63,14 @@ class LinearSolver(Protocol):
             values: Stored entries, shape (slots,).
         """
 
+    def nearly(self, values: FloatArray, cheap: float) -> Factors | None:
+        """Factors in single precision, to iterate on; None where there are none.
+
+        Args:
+            values: Stored entries, shape (slots,).
+            cheap: Price of factors below which they are not worth it.
+        """
+
 
 def price_of(operations: float, entries: float) -> float:
     """How many solutions a factorisation takes the time of.

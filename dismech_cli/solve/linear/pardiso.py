@@ -12,7 +12,7 @@ import sys
 import weakref
 from collections.abc import Iterator
 from contextlib import contextmanager
-from functools import cache
+from functools import cache, cached_property
 from pathlib import Path
 from typing import Any, ClassVar, Final
 
@@ -88,6 +88,7 @@ class PardisoSolver:
         self._pattern = pattern
         self._kinds = (POSITIVE_DEFINITE, _INDEFINITE) if pattern.symmetric else (_UNSYMMETRIC,)
         self._handles: dict[int, PardisoFactors] = {}
+        self._rough: RoughFactors | None = None
 
     def factorize(self, values: FloatArray) -> PardisoFactors:
         """Factorise; raise :class:`FactorizationError` if every matrix type fails."""
@@ -100,6 +101,15 @@ class PardisoSolver:
             if self._handles[kind].factorize(stored):
                 return self._handles[kind]
         raise FactorizationError("PARDISO met a zero pivot: some part is free to move")
+
+    def nearly(self, values: FloatArray, cheap: float) -> RoughFactors | None:
+        """Factors in single precision; none of what is small, not symmetric or not positive definite."""
+        if self._pattern.m < _SMALL or not self._pattern.symmetric:
+            return None
+        if self._rough is None:
+            self._rough = RoughFactors(self._pattern)
+        rough = self._rough
+        return rough if rough.price >= cheap and rough.factorize(values[: self._pattern.nnz]) else None
 
 
 class InertiaCounter:
@@ -122,32 +132,18 @@ class PardisoFactors:
     def __init__(self, kind: int, pattern: SparsityPattern) -> None:
         self._kind = kind
         self._values = np.zeros(pattern.nnz)
-        rows, columns = pattern.indptr.astype(np.int32), pattern.indices.astype(np.int32)
-        self._instance = _Instance(kind, self._values, rows, columns)
+        self._instance = _Instance.of(kind, self._values, pattern)
         self._iparm = self._instance.iparm
-        self._iparm[0] = 1  # own parameters
-        self._iparm[1] = _MINIMUM_DEGREE if pattern.m < _SMALL else _NESTED_DISSECTION
-        self._iparm[9] = 8 if kind == _INDEFINITE else 13  # pivot perturbation 1e-8 / 1e-13
-        # No matching or scaling (11, 13): they read the values during analysis, and a resumed run
-        # that analyses at other values would not repeat a straight run bit by bit.
-        self._iparm[17] = self._iparm[18] = -1  # count entries of the factors, and operations
-        self._iparm[20] = 1  # Bunch-Kaufman pivots
-        self._iparm[34] = 1  # zero-based indices
         # views of the same values; made once, because a transpose costs more than a small product
         self._matrix = pattern.csr(self._values)
         self._transposed = self._matrix.T
         self._diagonal = pattern.diagonal
-        self._analysed = False
         self._finalizer = weakref.finalize(self, self._instance.release)
 
     def factorize(self, values: FloatArray) -> bool:
         """Numerical factorisation; False if the matrix does not fit the type."""
         self._values[:] = values
-        if not self._analysed:
-            if self._instance.call(_ANALYSE) != 0:
-                return False
-            self._analysed = True
-        return self._instance.call(_FACTORISE) == 0
+        return self._instance.factorize()
 
     @property
     def indefinite(self) -> bool:
@@ -157,7 +153,7 @@ class PardisoFactors:
     @property
     def price(self) -> float:
         """By the analysis."""
-        return price_of(1e6 * float(self._iparm[18]), float(self._iparm[17]))
+        return self._instance.price
 
     def solve(self, rhs: FloatArray) -> FloatArray:
         """Solve with the last factors."""
@@ -190,11 +186,69 @@ class PardisoFactors:
         return int(self._iparm[22])
 
 
+class RoughFactors:
+    """Those of a positive definite matrix in single precision: good to six digits, for less time and memory.
+
+    Solutions are not checked, as they are steps of an iteration.
+    """
+
+    indefinite: ClassVar[bool] = False
+
+    def __init__(self, pattern: SparsityPattern) -> None:
+        self._values = np.zeros(pattern.nnz, dtype=np.float32)
+        self._instance = _Instance.of(POSITIVE_DEFINITE, self._values, pattern)
+        self._finalizer = weakref.finalize(self, self._instance.release)
+
+    def factorize(self, values: FloatArray) -> bool:
+        """Numerical factorisation; False if the matrix is not positive definite, as far as it can be seen."""
+        self._values[:] = values
+        return self._instance.factorize()
+
+    @property
+    def price(self) -> float:
+        """By the analysis."""
+        return self._instance.price
+
+    def solve(self, rhs: FloatArray) -> FloatArray:
+        """Solve with the last factors, shape (m,)."""
+        # small forces are smaller than the least number in single precision
+        size = float(np.abs(rhs).max())
+        b = (rhs / size).astype(np.float32)
+        x = np.empty_like(b)
+        if self._instance.call(_SOLVE, b, x) != 0:
+            raise FactorizationError("PARDISO could not solve with its factors")
+        return size * x.astype(np.float64)
+
+    def solve_transposed(self, rhs: FloatArray) -> FloatArray:
+        """The same: the matrix is symmetric."""
+        return self.solve(rhs)
+
+
 class _Instance:
     """An instance of PARDISO: its memory, and what every call of it is given, at places that stay."""
 
+    @classmethod
+    def of(cls, kind: int, values: NDArray[np.floating[Any]], pattern: SparsityPattern) -> _Instance:
+        """For matrices of a pattern whose values stand in an array; its precision is that of the factors."""
+        made = cls(kind, values, pattern.indptr.astype(np.int32), pattern.indices.astype(np.int32))
+        iparm = made.iparm
+        iparm[0] = 1  # own parameters
+        iparm[1] = _MINIMUM_DEGREE if pattern.m < _SMALL else _NESTED_DISSECTION
+        iparm[9] = 8 if kind == _INDEFINITE else 13  # pivot perturbation 1e-8 / 1e-13
+        # No matching or scaling (11, 13): they read the values during analysis, and a resumed run
+        # that analyses at other values would not repeat a straight run bit by bit.
+        iparm[17] = iparm[18] = -1  # count entries of the factors, and operations
+        iparm[20] = 1  # Bunch-Kaufman pivots
+        iparm[27] = int(values.dtype == np.float32)  # single precision
+        iparm[34] = 1  # zero-based indices
+        return made
+
     def __init__(
-        self, kind: int, values: FloatArray, rows: NDArray[np.int32], columns: NDArray[np.int32]
+        self,
+        kind: int,
+        values: NDArray[np.floating[Any]],
+        rows: NDArray[np.int32],
+        columns: NDArray[np.int32],
     ) -> None:
         self.memory = np.zeros(64, dtype=np.int64)
         self.iparm = np.zeros(64, dtype=np.int32)
@@ -208,7 +262,26 @@ class _Instance:
             *(_address(self.iparm), _integer(0)),
         )
 
-    def call(self, phase: int, b: FloatArray | None = None, x: FloatArray | None = None) -> int:
+    def factorize(self) -> bool:
+        """Numerical factorisation; False if the matrix does not fit the type."""
+        return self._analysed and self.call(_FACTORISE) == 0
+
+    @property
+    def price(self) -> float:
+        """How many solutions take as long as a factorisation, by the analysis."""
+        return price_of(1e6 * float(self.iparm[18]), float(self.iparm[17])) if self._analysed else 0.0
+
+    @cached_property
+    def _analysed(self) -> bool:
+        """Whether the analysis, which happens here, went well."""
+        return self.call(_ANALYSE) == 0
+
+    def call(
+        self,
+        phase: int,
+        b: NDArray[np.floating[Any]] | None = None,
+        x: NDArray[np.floating[Any]] | None = None,
+    ) -> int:
         """Go through a phase; PARDISO's error code.
 
         Args:
