@@ -198,19 +198,19 @@ def assemble_geometry(loaded: LoadedScenario) -> Geometry:
             rod_edges[body.name] = edge_groups[body.name] = e + np.arange(len(mesh.edges))
         else:
             triangle_shell.append(np.full(len(mesh.triangles), list(shells).index(index)))
+        own: dict[str, IntArray] = {}
         for name, group in with_ends(mesh).items():
             node_groups[f"{body.name}.{name}"] = group + n
             if isinstance(body, Rod):
                 inside = np.isin(mesh.edges, group)
                 touching = inside.all(axis=1) if len(group) > 1 else inside.any(axis=1)
-                edge_groups[f"{body.name}.{name}"] = e + np.flatnonzero(touching)
+                own[name] = np.flatnonzero(touching)
         for name, group in mesh.edge_groups.items():
-            edge_groups[f"{body.name}.{name}"] = group + e
+            own[name] = group
             node_groups.setdefault(f"{body.name}.{name}", np.unique(mesh.edges[group]) + n)
+        edge_groups.update({f"{body.name}.{name}": e + group for name, group in own.items()})
         material = scenario.materials[body.material]
         if isinstance(body, Rod):
-            lead = f"{body.name}."
-            own = {k.removeprefix(lead): v - e for k, v in edge_groups.items() if k.startswith(lead)}
             sample = Sampler(loaded, body.name, rod_cells(mesh, own))
             properties.append(properties_of(body, ("geometry", index), material, sample))
         else:

@@ -67,7 +67,11 @@ def resolve_holds(scene: Scene) -> tuple[Hold, ...]:
         ScenarioError: A clamp at a node has no single rod end or turns nothing, or a plane of symmetry
             is not flat or holds what has no mid-edge normals.
     """
-    return tuple(_hold(scene, index, motion) for index, motion in enumerate(scene.scenario.motions))
+    motions = scene.scenario.motions
+    if not motions:
+        return ()
+    around = _Around.of(scene.geometry)
+    return tuple(_hold(scene, around, index, motion) for index, motion in enumerate(motions))
 
 
 def drives(hold: Hold) -> bool:
@@ -81,7 +85,51 @@ def twists(hold: Hold) -> bool:
     return turned or not vanishes(hold.twist)
 
 
-def _hold(scene: Scene, index: int, motion: Motion) -> Hold:
+@dataclass(frozen=True, slots=True)
+class _Around:
+    """What is at each node, found once for all motions: there may be one for each of thousands of rods.
+
+    Attributes:
+        edges: Nodes of all edges, shape (E, 2).
+        starts: Where the ends at each node begin, shape (N + 1,).
+        ends: Edges by the nodes at their ends, shape (2 E,).
+        on_shell: Nodes of the shells.
+        hubs: Numbers of the ends of edges that turn as one at each hub.
+    """
+
+    edges: IntArray
+    starts: IntArray
+    ends: IntArray
+    on_shell: IntArray
+    hubs: IntArray
+
+    @classmethod
+    def of(cls, geometry: Geometry) -> _Around:
+        """Of bodies that are put together."""
+        by_node = np.argsort(geometry.edges, axis=None, kind="stable")
+        sorted_nodes = geometry.edges.reshape(-1)[by_node]
+        starts = np.searchsorted(sorted_nodes, np.arange(len(geometry.nodes) + 1))
+        return cls(geometry.edges, starts, by_node // 2, geometry.on_shell, hubs_of(geometry))
+
+    def degree(self, nodes: IntArray) -> IntArray:
+        """How many ends of edges are at each of some nodes, shape (K,)."""
+        count: IntArray = self.starts[nodes + 1] - self.starts[nodes]
+        return count
+
+    def touching(self, nodes: IntArray) -> IntArray:
+        """Edges with an end at one of some nodes, each once, ascending."""
+        none = np.empty(0, dtype=np.int64)
+        return np.unique(
+            np.concatenate((none, *(self.ends[self.starts[k] : self.starts[k + 1]] for k in nodes)))
+        )
+
+    def inside(self, nodes: IntArray) -> IntArray:
+        """Edges with both ends at some nodes, ascending."""
+        near = self.touching(nodes)
+        return near[np.isin(self.edges[near], nodes).all(axis=1)]
+
+
+def _hold(scene: Scene, around: _Around, index: int, motion: Motion) -> Hold:
     where = ("motions", index, "where")
     hold = Hold(name=f"motions[{index}]", release=inf if motion.release is None else motion.release)
     match motion:
@@ -96,7 +144,7 @@ def _hold(scene: Scene, index: int, motion: Motion) -> Hold:
                 twist=ZERO if motion.twist is None else scene.laws(motion.twist),
             )
             at_edges = motion.at == "edge"
-            hold = _at_edges(hold, scene.geometry) if at_edges else _at_nodes(hold, scene, index)
+            hold = _at_edges(hold, around) if at_edges else _at_nodes(hold, scene, around, index)
             if motion.twist is not None and not (hold.edges.size or hold.walls.size):
                 raise scene.error(("motions", index, "twist"), "turns no edge of a rod: none is held")
             return _moved(hold, scene, index, motion)
@@ -140,34 +188,31 @@ def _mirror_axis(scene: Scene, index: int, motion: Symmetry) -> int:
     return axis
 
 
-def _at_edges(hold: Hold, geometry: Geometry) -> Hold:
+def _at_edges(hold: Hold, around: _Around) -> Hold:
     """A clamp of edges: a lone node takes the next along its rod with it, the peers' two-node clamp."""
-    lonely = np.setdiff1d(hold.nodes, geometry.edges[_inside(hold, geometry)])
-    beside = np.flatnonzero(np.isin(geometry.edges, lonely).any(axis=1))
-    hold = replace(hold, nodes=np.union1d(hold.nodes, geometry.edges[beside]))
-    return replace(hold, edges=_inside(hold, geometry), sloped=hold.nodes)
+    beside = around.touching(_lonely(hold, around))
+    hold = replace(hold, nodes=np.union1d(hold.nodes, around.edges[beside]))
+    return replace(hold, edges=around.inside(hold.nodes), sloped=hold.nodes)
 
 
-def _at_nodes(hold: Hold, scene: Scene, index: int) -> Hold:
+def _at_nodes(hold: Hold, scene: Scene, around: _Around, index: int) -> Hold:
     """A clamp at its nodes: behind a lone rod end stands a wall."""
-    geometry = scene.geometry
-    inside = _inside(hold, geometry)
-    lonely = np.setdiff1d(hold.nodes, geometry.edges[inside])
+    inside, ends = around.inside(hold.nodes), scene.geometry.turning.ends
     # at a shell a rod is hinged: its direction stays free
-    lonely = np.setdiff1d(lonely, geometry.on_shell)
-    degree = np.bincount(geometry.edges.reshape(-1), minlength=len(geometry.nodes))
-    hubs, ends = hubs_of(geometry), geometry.turning.ends
-    at_hub = degree[lonely] > 2
-    at_hub[at_hub] = [len(np.unique(ends[geometry.edges == node])) == 1 for node in lonely[at_hub]]
-    crowded = lonely[(degree[lonely] != 1) & ~at_hub]
+    lonely = np.setdiff1d(_lonely(hold, around), around.on_shell)
+    degree = around.degree(lonely)
+    at_hub = degree > 2
+    at_hub[at_hub] = [len(np.unique(ends[around.edges == node])) == 1 for node in lonely[at_hub]]
+    crowded = lonely[(degree != 1) & ~at_hub]
     if crowded.size:
         raise scene.error(
             ("motions", index, "where"),
             f"node {crowded[0]} is no rod end: a clamp at a node inside a rod needs its "
             "neighbour selected too, or 'at: edge'",
         )
-    turned = np.concatenate((ends[inside].reshape(-1), ends[np.isin(geometry.edges, lonely[at_hub])]))
-    turned = np.intersect1d(turned, hubs)
+    beside = around.touching(lonely[at_hub])
+    at_hubs = ends[beside][np.isin(around.edges[beside], lonely[at_hub])]
+    turned = np.intersect1d(np.concatenate((ends[inside].reshape(-1), at_hubs)), around.hubs)
     if turned.size and not vanishes(hold.twist):
         raise scene.error(
             ("motions", index, "twist"), "turns a joint of three edges and more, which has no one axis"
@@ -175,6 +220,6 @@ def _at_nodes(hold: Hold, scene: Scene, index: int) -> Hold:
     return replace(hold, edges=inside, walls=lonely[~at_hub], hubs=turned, rigid=inside, sloped=hold.nodes)
 
 
-def _inside(hold: Hold, geometry: Geometry) -> IntArray:
-    """Edges with both nodes held."""
-    return np.flatnonzero(np.isin(geometry.edges, hold.nodes).all(axis=1))
+def _lonely(hold: Hold, around: _Around) -> IntArray:
+    """Nodes held without a neighbour, ascending."""
+    return np.setdiff1d(hold.nodes, around.edges[around.inside(hold.nodes)])

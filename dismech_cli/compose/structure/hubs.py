@@ -29,6 +29,8 @@ def hubs_of(geometry: Geometry) -> IntArray:
 
 def hub_nodes(geometry: Geometry, hubs: IntArray) -> IntArray:
     """The node of each hub, shape (H,)."""
+    if not hubs.size:
+        return hubs
     members = members_of(geometry, hubs)
     _, first = np.unique(members.hub, return_index=True)
     nodes: IntArray = geometry.edges[members.edge[first], members.side[first]]

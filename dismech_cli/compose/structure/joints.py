@@ -113,10 +113,8 @@ def make_joints(geometry: Geometry, edges: Edges) -> Joints:
     halves[held] = 0.5 * edges.rest[pairs[held]]
     numbers = number_joints(geometry, triples, rods)
     same = rods[:, 0] == rods[:, 1]
-    counts = np.array(
-        [int(numbers[same & (rods[:, 0] == k), 0].max(initial=-1)) + 1 for k in range(len(geometry.rods))],
-        dtype=np.int64,
-    )
+    counts = np.zeros(len(geometry.rods), dtype=np.int64)
+    np.maximum.at(counts, rods[same, 0], numbers[same, 0] + 1)
     return Joints(triples, pairs, signs.astype(np.float64), halves, rods, numbers, ~passing, counts)
 
 
@@ -135,11 +133,15 @@ def turning_at(ends: IntArray, pairs: IntArray, signs: IntArray) -> tuple[IntArr
 
 def number_joints(geometry: Geometry, triples: IntArray, rods: IntArray) -> IntArray:
     """Number each joint along the rods of its edges from their starts, shape (J, 2)."""
-    numbers = np.zeros(rods.shape, dtype=np.int64)
+    numbers = np.zeros(rods.size, dtype=np.int64)
+    at, by_rod = np.repeat(triples[:, 1], 2), np.argsort(rods, axis=None, kind="stable")
+    bounds = np.searchsorted(rods.reshape(-1)[by_rod], np.arange(len(geometry.rods) + 1))
     for index, one in enumerate(geometry.rods):
-        place = np.full(len(geometry.nodes), -1)
+        # numbered anew, so that each of many rods costs what it has
+        nodes, ends = np.unique(geometry.edges[geometry.rod_edges[one.name]], return_inverse=True)
+        place = np.full(len(nodes), -1)
         count = 0
-        for chain in chains(len(geometry.nodes), geometry.edges[geometry.rod_edges[one.name]]):
+        for chain in chains(len(nodes), ends.reshape(-1, 2)):
             inner = chain.nodes[1:-1] if chain.kind.value == "open" else chain.nodes
             place[inner] = count + np.arange(len(inner))
             if chain.kind.value == "open":
@@ -147,6 +149,7 @@ def number_joints(geometry: Geometry, triples: IntArray, rods: IntArray) -> IntA
                 place[chain.nodes[0]] = count
                 place[chain.nodes[-1]] = count + max(len(inner) - 1, 0)
             count += len(inner)
-        joint, side = np.nonzero(rods == index)
-        numbers[joint, side] = place[triples[joint, 1]]
-    return numbers
+        mine = by_rod[bounds[index] : bounds[index + 1]]
+        found = np.minimum(np.searchsorted(nodes, at[mine]), len(nodes) - 1)
+        numbers[mine] = np.where(nodes[found] == at[mine], place[found], -1)
+    return numbers.reshape(rods.shape)
