@@ -13,6 +13,7 @@ from ..arrays import FloatArray, IntArray
 from .driver import DragLoop, LoadLoop, LoopT, RateLoop, StencilLoop
 from .linearization import Linearization, Pattern
 from .loop_text import LoopText
+from .needed import first_results
 from .numpy_rates import NumpyRateLoop
 from .shape import DragKernel, Kernel, LoadKernel, RateKernel
 
@@ -63,6 +64,7 @@ class NumpyStencilLoop:
         self._angles = np.ascontiguousarray(dofs[:, angles].T)
         self._auxiliaries = np.ascontiguousarray(auxiliaries.T)
         self._vectors = len(self._tails)
+        self._chunks = _chunks(count)
         self._y = np.empty((kernel.reduced, count))
         self._energy = np.empty((kernel.energies, count))
         self._gradient = np.empty((kernel.reduced, count))
@@ -77,37 +79,38 @@ class NumpyStencilLoop:
 
     def energy(self, q: FloatArray, auxiliary: FloatArray, parameters: FloatArray) -> FloatArray:
         """Shares of the energy of each stencil [J]."""
-        self._evaluate(q, auxiliary, parameters)
+        a, energies = self._gathered(q, auxiliary), first_results(self._kernel.function, 1)
+        for chunk in self._chunks:
+            (self._energy[:, chunk],) = energies(self._y[:, chunk], a[:, chunk], parameters[:, chunk])
         return self._energy.copy()
 
     def add_residual(
         self, q: FloatArray, auxiliary: FloatArray, parameters: FloatArray, r: FloatArray
     ) -> None:
         """Add dE/dq."""
-        self._evaluate(q, auxiliary, parameters)
+        a, forces = self._gathered(q, auxiliary), first_results(self._kernel.function, 2)
+        for chunk in self._chunks:
+            _, gradient = forces(self._y[:, chunk], a[:, chunk], parameters[:, chunk])
+            _fill(self._gradient, gradient, chunk)
         self._add_gradient(r)
 
     def add_linearization(
         self, q: FloatArray, auxiliary: FloatArray, parameters: FloatArray, into: Linearization
     ) -> None:
         """Add dE/dq and d2E/dq2."""
-        self._evaluate(q, auxiliary, parameters)
+        a = self._gathered(q, auxiliary)
+        for chunk in self._chunks:
+            _, gradient, hessian = self._kernel.function(self._y[:, chunk], a[:, chunk], parameters[:, chunk])
+            _fill(self._gradient, gradient, chunk)
+            _fill(self._hessian, hessian, chunk)
         self._add_gradient(into.residual)
         into.stiffness += self._to_values @ self._hessian.reshape(-1)
 
-    def _evaluate(self, q: FloatArray, auxiliary: FloatArray, parameters: FloatArray) -> None:
+    def _gathered(self, q: FloatArray, auxiliary: FloatArray) -> FloatArray:
+        """Edge vectors and angles are put in place; auxiliary inputs of the stencils."""
         np.subtract(q[self._heads], q[self._tails], out=self._y[: self._vectors])
         self._y[self._vectors :] = q[self._angles]
-        a = auxiliary[self._auxiliaries]
-        for chunk in _chunks(self._y.shape[1]):
-            energy, gradient, hessian = self._kernel.function(
-                self._y[:, chunk], a[:, chunk], parameters[:, chunk]
-            )
-            self._energy[:, chunk] = energy
-            for target, value in zip(self._gradient, gradient, strict=True):
-                target[chunk] = value
-            for target, value in zip(self._hessian, hessian, strict=True):
-                target[chunk] = value
+        return auxiliary[self._auxiliaries]
 
     def _add_gradient(self, r: FloatArray) -> None:
         if self._to_residual is None:
@@ -201,19 +204,22 @@ class NumpyLoadLoop:
         a = auxiliary[self._auxiliaries]
         for chunk in _chunks(self._y.shape[1]):
             force, stiffness = self._kernel.function(self._y[:, chunk], a[:, chunk], parameters[:, chunk])
-            for target, value in zip(self._force, force, strict=True):
-                target[chunk] = value
-            for target, value in zip(self._stiffness, stiffness, strict=True):
-                target[chunk] = value
+            _fill(self._force, force, chunk)
+            _fill(self._stiffness, stiffness, chunk)
 
     def _add_force(self, scale: float, r: FloatArray) -> None:
         r += scale * np.bincount(self._dofs.reshape(-1), self._force.reshape(-1), minlength=len(r))
 
 
+def _fill(rows: FloatArray, values: Any, chunk: slice) -> None:
+    """Write results of a kernel, which may be single numbers, to the columns of a chunk."""
+    for target, value in zip(rows, values, strict=True):
+        target[chunk] = value
+
+
 def _rows(values: Any, count: int) -> FloatArray:
     out = np.empty((len(values), count))
-    for target, value in zip(out, values, strict=True):
-        target[:] = value
+    _fill(out, values, slice(None))
     return out
 
 

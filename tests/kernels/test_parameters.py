@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
-import pkgutil
 from dataclasses import replace
 
 import numpy as np
@@ -13,8 +11,8 @@ from derivatives import Probe
 from hybrid_cases import hybrid
 from numpy.testing import assert_allclose
 from shell_cases import shell
+from shipped import shipped
 
-from dismech_cli import energies, forces
 from dismech_cli.arrays import FloatArray
 from dismech_cli.energies.membrane_neo_hookean import MEMBRANE_NEO_HOOKEAN
 from dismech_cli.energies.stretch import STRETCH
@@ -23,16 +21,6 @@ from dismech_cli.kernels.shape import DragKernel, Kernel, LoadKernel, Parameters
 from dismech_cli.mesh.generate.rings import hemisphere
 from dismech_cli.model.drag import DragForce
 from dismech_cli.model.stencil import StencilEnergy
-
-
-def shipped(kind: type) -> dict[str, object]:
-    """Every kernel of some kind in the rooms of physics, by the name of its constant."""
-    found = {}
-    for room in (energies, forces):
-        for file in pkgutil.iter_modules(room.__path__):
-            module = importlib.import_module(f"{room.__name__}.{file.name}")
-            found |= {name: value for name, value in vars(module).items() if isinstance(value, kind)}
-    return found
 
 
 def cases() -> dict[str, TermCase]:
