@@ -11,6 +11,7 @@ import numpy as np
 from ..arrays import FloatArray
 from ..kernels.driver import Driver
 from ..kernels.linearization import Linearization, RankOne, all_symmetric
+from ..kinematics.rod_frames import FramesAt
 from ..model.configuration import Configuration
 from ..model.model import Model
 from ..model.term import BoundTerm
@@ -33,6 +34,7 @@ class Linearized:
         rows: See ``columns``.
         force: Euclidean norm of the largest force that any term, or sum of terms, exerts [N].
         moment: The same for angles [N m].
+        frames: Those at the trial point; nobody overwrites them.
     """
 
     residual: FloatArray
@@ -41,6 +43,7 @@ class Linearized:
     rows: FloatArray
     force: float
     moment: float
+    frames: FramesAt
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,7 +131,7 @@ class Assembly:
             force, moment = max(force, _square(head)), max(moment, _square(tail))
             into.residual += inertia
         columns, rows = self._outside(into.rank_ones, w)
-        return Linearized(into.residual, values, columns, rows, sqrt(force), sqrt(moment))
+        return Linearized(into.residual, values, columns, rows, sqrt(force), sqrt(moment), c.frames)
 
     def _outside(self, rank_ones: Sequence[RankOne], w: Weights) -> tuple[FloatArray, FloatArray]:
         """Columns and rows of the tangents outside the pattern, each of shape (m, k)."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -26,6 +26,7 @@ class NewtonResult:
         worst: Global index of the DOF with the largest residual, or -1.
         indefinite: Whether the last tangent is known to have a negative eigenvalue.
         frames: Frames at ``q``, where they were carried there; None where they are still to be.
+        auxiliary: Inputs of kernels at ``q``, shape (size,); None likewise.
     """
 
     q: FloatArray
@@ -36,12 +37,16 @@ class NewtonResult:
     worst: int
     indefinite: bool = False
     frames: FrameState | None = None
+    auxiliary: FloatArray | None = None
 
 
 def done(problem: StageProblem, q: FloatArray, now: Linearized, *, indefinite: bool) -> NewtonResult:
     """Balance at ``q``, reached with a last tangent that was indefinite or not."""
     largest = float(np.abs(now.residual[problem.free]).max(initial=0.0))
-    return NewtonResult(q, now.residual.copy(), Status.CONVERGED, problem.spent, largest, -1, indefinite)
+    found = NewtonResult(q, now.residual.copy(), Status.CONVERGED, problem.spent, largest, -1, indefinite)
+    if not problem.stage.balanced_end:
+        return found
+    return replace(found, frames=now.frames.state, auxiliary=now.frames.auxiliary)
 
 
 def failed(problem: StageProblem, q: FloatArray, now: Linearized, status: Status) -> NewtonResult:

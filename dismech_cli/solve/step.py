@@ -288,4 +288,6 @@ def through_stages(
         ambiguous,
         trail=tuple(trail),
         reactions=reactions,
+        # those of shells are of frames at the start, too
+        auxiliary=None if stepper.model.frames.tables is None else result.auxiliary,
     )
