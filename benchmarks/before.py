@@ -2,7 +2,8 @@
 
 python -m benchmarks before CHECKOUT [--turns N] [NAME ...]      writes benchmarks/results/before.md
 
-Both are run by the command line in turns, with the caches of earlier runs; each runs its own scenes.
+Both are run by the command line in turns, with the caches of earlier runs; each runs its own scenes. Rows
+that are not measured again are kept.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ import resource
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
@@ -30,7 +31,8 @@ from .shell_scenes import sheet_deck
 from .table import table
 
 HERE: Final = Path(__file__).parents[1]
-PAGE: Final = Path(__file__).with_name("results") / "before.md"
+KEPT: Final = Path(__file__).with_name("results") / "before.json"
+PAGE: Final = KEPT.with_suffix(".md")
 # Steps are those after this time, when all moves and is set up [s].
 _BEGIN, _END = 0.02, 0.1
 # By so much do equal programs differ.
@@ -179,7 +181,7 @@ def row(one: Compared, checkout: Path, turns: int) -> list[object]:
     apart = float(np.linalg.norm(now.positions - before.positions, axis=1).max())
     told = "same bits" if apart == 0.0 else f"{apart / now.length:.1e}"
     asked = "" if one.least is None else f" (bar {one.least:g}: {'met' if ratio >= one.least else 'missed'})"
-    return [one.title, *seconds.min(axis=0).tolist(), f"{ratio:.2f}{asked}", told]
+    return [*seconds.min(axis=0).tolist(), f"{ratio:.2f}{asked}", told]
 
 
 def main(arguments: Sequence[str]) -> None:
@@ -189,17 +191,19 @@ def main(arguments: Sequence[str]) -> None:
     parser.add_argument("names", nargs="*", metavar="NAME", help="words of the titles; all without")
     parser.add_argument("--turns", type=int, default=5)
     asked = parser.parse_intermixed_args(arguments)
-    rows = []
+    kept: dict[str, list[object]] = json.loads(KEPT.read_text(encoding="utf-8")) if KEPT.exists() else {}
     for one in ALL:
         if asked.names and not any(name in one.title for name in asked.names):
             continue
-        rows.append(row(one, asked.checkout.resolve(), asked.turns))
-        print(*rows[-1], sep="  ", flush=True)
-        PAGE.write_text(page(rows), encoding="utf-8")
+        kept[one.title] = row(one, asked.checkout.resolve(), asked.turns)
+        print(one.title, *kept[one.title], sep="  ", flush=True)
+        KEPT.write_text(json.dumps(kept, indent=1) + "\n", encoding="utf-8")
+        PAGE.write_text(page(kept), encoding="utf-8")
 
 
-def page(rows: Sequence[Sequence[object]]) -> str:
+def page(kept: Mapping[str, Sequence[object]]) -> str:
     """The table of what was compared."""
+    rows = [[one.title, *kept[one.title]] for one in ALL if one.title in kept]
     head = ["what", "before [s]", "now [s]", "times faster", "last frames apart, of the motion"]
     return (
         "# Beside an older checkout\n\n"
