@@ -65,8 +65,8 @@ class Tangent:
 _SAFE = 0.9
 # The residual along a step counts as balanced below this share of what it was, and is looked at so often.
 _FLAT, _LOOKS = 0.3, 8
-# Tangent over inertia up to which single precision will do: rounding is then a hundredth of the inertia, so
-# that iterations on rough factors gain two digits each, and a tangent that is indefinite by more is seen.
+# Tangent over inertia up to which single precision will do: rounding is then a hundredth of the inertia at
+# most, and a tangent that is indefinite by more is seen; iterations on rough factors gain four digits each.
 _STIFF = 1e5
 
 Factorize: TypeAlias = "Callable[[StageProblem, FloatArray, Linearized], Tangent]"
