@@ -65,7 +65,7 @@ class Scale:
         upper: Value of the last colour.
         least: Least value of the run.
         largest: Largest value of the run.
-        colormap: Matplotlib name.
+        table: Colours from the first to the last, shape (256, 3).
     """
 
     label: str
@@ -73,16 +73,13 @@ class Scale:
     upper: float
     least: float
     largest: float
-    colormap: str
+    table: Colors
 
     def colors(self, values: FloatArray) -> Colors:
         """Colours of ``values`` (count,), shape (count, 3); grey where a value is not finite."""
-        from matplotlib import colormaps
-
         # in halves: the difference of two numbers may be too large to be one
         share = (values / 2 - self.lower / 2) / (self.upper / 2 - self.lower / 2)
-        table = (colormaps[self.colormap](np.arange(256))[:, :3] * 255).round().astype(np.uint8)
-        colors = table[np.clip(np.nan_to_num(share) * 255.0 + 0.5, 0, 255).astype(np.int64)]
+        colors = self.table[np.clip(np.nan_to_num(share) * 255.0 + 0.5, 0, 255).astype(np.int64)]
         colors[~np.isfinite(values)] = _NOT_FINITE
         return colors
 

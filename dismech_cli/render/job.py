@@ -110,7 +110,7 @@ class Job:
             settings=_settings(content["settings"]),
             framing=Framing(**framing),
             field=field,
-            scale=None if content["scale"] is None else Scale(**content["scale"]),
+            scale=None if content["scale"] is None else _scale(content["scale"]),
             shots=tuple(Shot(**shot) for shot in content["shots"]),
             decimals=content["decimals"],
         )
@@ -118,6 +118,10 @@ class Job:
 
 def _plain(value: Any) -> Any:
     return str(value) if isinstance(value, Path) else value.tolist()
+
+
+def _scale(content: dict[str, Any]) -> Scale:
+    return Scale(**{**content, "table": np.array(content["table"], dtype=np.uint8)})
 
 
 def _settings(content: dict[str, Any]) -> Settings:

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..arrays import FloatArray
 from ..output.frame import FieldSpec
-from .coloring import Scale, magnitude
+from .coloring import Colors, Scale, magnitude
 from .timeline import Frames
 
 # A peak that lasts less than this share of the frames and rises above this multiple of the rest is a
@@ -52,8 +52,15 @@ def make_scale(
         upper=last,
         least=least,
         largest=largest,
-        colormap=colormap or usual,
+        table=_colors(colormap or usual),
     )
+
+
+def _colors(colormap: str) -> Colors:
+    """The map of a Matplotlib name, shape (256, 3): those who draw need not load Matplotlib for it."""
+    from matplotlib import colormaps
+
+    return (colormaps[colormap](np.arange(256))[:, :3] * 255).round().astype(np.uint8)
 
 
 def _extremes(values: Frames) -> tuple[FloatArray, FloatArray]:

@@ -361,23 +361,27 @@ def test_a_job_survives_the_way_to_another_process(tmp_path):
     with read(write_run(tmp_path, helix(frames=2))) as run:
         shots = (stored(run.t, 0), shot_at(run.t, 0.05))
         framing = frame_motion(run, settings, shots)
+    table = np.arange(768, dtype=np.uint8).reshape(256, 3)
     job = Job(
         run_dir=tmp_path,
         renderer="pyvista",
         settings=settings,
         framing=framing,
         field=Field(spec=SPEC, file=tmp_path / "field.npy"),
-        scale=Scale(label="s", lower=-1.0, upper=1 / 3, least=-2.0, largest=3.0, colormap="viridis"),
+        scale=Scale(label="s", lower=-1.0, upper=1 / 3, least=-2.0, largest=3.0, table=table),
         shots=shots,
         decimals=2,
     )
     back = Job.from_json(job.to_json())
     for field in dataclasses.fields(Job):
-        if field.name != "framing":
+        if field.name not in ("framing", "scale"):
             assert getattr(back, field.name) == getattr(job, field.name)
     assert_array_equal(back.framing.centers, framing.centers)
     assert_array_equal(back.framing.basis, framing.basis)
     assert back.framing.half_height == framing.half_height
+    assert back.scale is not None
+    assert_array_equal(back.scale.table, table)
+    assert (back.scale.upper, back.scale.largest) == (1 / 3, 3.0)
 
 
 def test_what_does_not_go_together_is_refused_before_any_work(tmp_path):
