@@ -76,7 +76,7 @@ def draw_asked(record: Record, asked: Render, narrator: Narrator) -> Finished:
 def _parts(asked: Render) -> list[str]:
     """What will be drawn, in words; nothing if no picture is asked for."""
     parts = ["a film"] if asked.video != "none" else []
-    parts += ["stills" if len(asked.times) > 1 else "a still"] if asked.still else []
+    parts += ["stills" if len(asked.times) > 1 else "a still"] if asked.stills else []
     parts += ["diagrams"] if asked.plots else []
     return parts
 

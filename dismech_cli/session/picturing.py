@@ -90,7 +90,7 @@ def settings_of(loaded: LoadedScenario, run: Run, color_by: str | None) -> Setti
 
 def formats_of(render: Render) -> tuple[Format, ...]:
     """Kinds of pictures that a scenario asks for, or a film if it asks for nothing at all."""
-    kinds: list[Format] = ["png"] if render.still else []
+    kinds: list[Format] = ["png"] if render.stills else []
     if render.video != "none":
         kinds.append(render.video)
     return tuple(kinds) if kinds or render.plots else ("mp4",)

@@ -16,6 +16,7 @@ from dismech_cli.output.read import read
 from dismech_cli.output.run_directory import LOG_FILE, SCENARIO_FILE
 from dismech_cli.render import movie
 from dismech_cli.run.loop import Limits
+from dismech_cli.scenario.language.render import Render
 from dismech_cli.scenario.load import load
 from dismech_cli.session.computing import computed_field
 from dismech_cli.session.conduct import Record
@@ -140,6 +141,15 @@ def test_wishes_go_before_the_scenario(tmp_path: Path, jobs) -> None:
     # 0.1 s is too short to see: a round speed makes some four seconds of it.
     assert {shot.speed for shot in jobs[1].shots} == {0.02}
     assert any("50 times slower" in line for line in heard.lines)  # type: ignore[attr-defined]
+
+
+def test_times_alone_ask_for_stills(tmp_path: Path, jobs) -> None:
+    assert Render(times=(0.04,)).stills
+    assert not Render().stills
+    run_dir = ran(tmp_path)
+    (file,) = draw(run_dir, Wishes(changes=("still=false", "times=[40 ms]")), Silent())
+    assert file.name == "xz-000002.png"
+    assert [shot.lower for shot in jobs[0].shots] == [2]
 
 
 def test_cameras_are_placed_as_written(tmp_path: Path) -> None:

@@ -80,9 +80,9 @@ class Render(Spec):
         " scene, else `iso`.",
     )
     video: Literal["mp4", "gif", "none"] = Field(default="none", description="Film of the run.")
-    still: bool = Field(default=False, description="A picture of the last frame, or of those at `times`.")
+    still: bool = Field(default=False, description="A picture of the last frame; `times` ask for theirs.")
     times: Annotated[tuple[Time, ...], Len(0, 1000), Strict(False)] = Field(
-        default=(), description="Times of stills, the nearest frames; default: the last."
+        default=(), description="Times of stills, the nearest frames, in place of the last."
     )
     layout: Literal["separate", "panels"] = Field(
         default="separate", description="Stills in files of their own, or side by side in one."
@@ -155,3 +155,8 @@ class Render(Spec):
     plots: Annotated[tuple[Name, ...], Strict(False)] = Field(
         default=(), description="Names of probes drawn over time."
     )
+
+    @property
+    def stills(self) -> bool:
+        """Whether single pictures are asked for."""
+        return self.still or bool(self.times)
