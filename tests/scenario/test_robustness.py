@@ -217,7 +217,7 @@ def test_valid_decks_take_three_finite_steps(deck):
         result = simulate(write(folder, deck))
     assert result.outcome.end is End.DONE, result.outcome.message
     assert result.outcome.counters["steps"] >= 3
-    # the guess of a step that swings along the rod may press it beyond its buckling load: that is doubted once
+    # the guess of a step that swings along the rod may press it beyond its buckling load
     assert result.outcome.counters["cuts"] <= 1
     length = deck["geometry"][0]["generate"]["to"][0]
     for frame in result.frames:
