@@ -30,6 +30,7 @@ class StageMaps:
         balance: Times at which balance is enforced, from the start of the step [s].
         ends: Times of the ends of the stages, likewise [s].
         leads: Whether guesses go on by a share of a lead.
+        balanced_end: Whether the end of the step is where the last stage is in balance.
     """
 
     dt: float
@@ -38,11 +39,7 @@ class StageMaps:
     balance: tuple[float, ...]
     ends: tuple[float, ...]
     leads: bool
-
-    @property
-    def balanced_end(self) -> bool:
-        """Whether the end of the step is where the last stage is in balance."""
-        return bool(self.numbers[-1, 0] == 1.0) and self.balance[-1] == self.ends[-1]
+    balanced_end: bool
 
     @classmethod
     def of(cls, integrator: Integrator, dt: float) -> StageMaps:
@@ -63,7 +60,8 @@ class StageMaps:
             balance.append(stage.t_stage)
             ends.append(stage.t_end)
             t = stage.t_end
-        return cls(dt, np.array(vectors), np.array(numbers), tuple(balance), tuple(ends), leads)
+        maps = np.array(vectors), np.array(numbers)
+        return cls(dt, *maps, tuple(balance), tuple(ends), leads, stage.balanced_end)
 
 
 @lru_cache(maxsize=64)
