@@ -25,7 +25,7 @@ from dismech_cli.output.table import read_table
 __all__ = ["nursery", "swing"]
 
 # A second and more, in which frames reach the files some times.
-LONG = ("--set", "numerics.t_end=1.6")
+LONG = ("--set", "numerics.t_end=4.8")
 ENDLESS = ("--set", "numerics.t_end=1e4", "--set", "output.every=0.1", "--progress", "none")
 
 
