@@ -7,7 +7,6 @@ import math
 import os
 import stat
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
@@ -16,6 +15,7 @@ import numpy as np
 from .arrays import FloatArray
 from .errors import ScenarioError
 from .file_text import UNFETCHED, decode, is_lfs_pointer
+from .frozen import frozen
 
 MAX_BYTES: Final = 256 * 1024 * 1024
 _PARTED: Final[Mapping[str | None, str]] = {
@@ -27,7 +27,7 @@ _PARTED: Final[Mapping[str | None, str]] = {
 _MISSING: Final = ("", "nan", "na")
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class _Row:
     """The cells of a line, counted from 1."""
 
@@ -35,7 +35,7 @@ class _Row:
     cells: list[str]
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class _Table:
     """The rows of a file, and what parts their cells.
 

@@ -7,8 +7,9 @@ dimension so that an angle cannot pass for a plain ratio, nor rad/s for Hz.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import Final, NamedTuple
+
+from .frozen import frozen
 
 
 class Dimension(NamedTuple):
@@ -24,7 +25,7 @@ class Dimension(NamedTuple):
         return Dimension(*(a + power * b for a, b in zip(self, other, strict=True)))
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Kind:
     """A physical quantity that a key of the scenario may ask for.
 

@@ -8,6 +8,8 @@ import time
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Protocol, TextIO
 
+from ..frozen import frozen
+
 if TYPE_CHECKING:  # the run loop loads NumPy
     from ..run.sink import Progress
 
@@ -27,7 +29,7 @@ class Display(Protocol):
         """Make room for a line of text; safe to call twice."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Nothing:
     """Shows nothing."""
 

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
+from ..frozen import frozen
 from ..model.term import ChangingTerm
 from ..run.touched import Touched
 from ..run.validity import Check
@@ -11,7 +10,7 @@ from .scene import Scene
 from .structure.structure import Structure
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Changing:
     """What comes and goes, with its place in the energy account.
 

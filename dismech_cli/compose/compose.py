@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 
 import numpy as np
 
 from ..control.plugin import NONE, Plugins
+from ..frozen import frozen
 from ..model.model import Model
 from ..model.term import ChangingTerm, Term
 from ..run.observe import LOAD_COLUMNS, scalar_columns
@@ -40,7 +41,7 @@ from .structure.prescribed import build_motions
 from .structure.structure import Structure, make_structure, typical_length
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Composition:
     """A simulation, the plan it follows, and the bodies it is of.
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
+from ..frozen import frozen
 from ..kinematics.dofs import DofMap
 from ..kinematics.motion import held_dofs
 from ..kinematics.rod_frames import Frames
@@ -32,7 +33,7 @@ _EQUAL = 1e-6
 _DECIMALS = 8
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Deviation:
     """What an imperfection does.
 

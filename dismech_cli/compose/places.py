@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 from ..arrays import IntArray
+from ..frozen import frozen
 from ..scenario.load import LoadedScenario
 from ..scenario.text.tree import KeyPath
 from ..scenario.values.selection import Selects
@@ -13,7 +13,7 @@ from .bodies.geometry import Geometry
 from .bodies.selection import select_all
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Places:
     """Nodes and edges by the key path of the selection, such as ``("forces", 0, "where")``."""
 

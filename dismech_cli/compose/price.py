@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Final
 
+from ..frozen import frozen
 from ..scenario.language.numerics import Numerics, Static
 from .bodies.geometry import Geometry
 from .numerics import build_integrator
@@ -28,7 +28,7 @@ _OF_STATICS, _OF_STAGE, _OF_ADAPTING, _OF_CONTACT = 5.0, 1.8, 0.2, 0.2
 _ADAPTIVE_STEPS: Final = 500.0
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Work:
     """What a run has to do.
 

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from ..errors import ScenarioError
+from ..frozen import frozen
 from ..scenario.language.scenario import Scenario
 from ..scenario.load import LoadedScenario
 from ..scenario.text.tree import KeyPath
@@ -14,7 +13,7 @@ from .laws import ToLaw, make_laws
 from .places import Places, find_places
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Scene:
     """All that is known before anything is decided.
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from math import inf
 
 import numpy as np
 
 from ..arrays import FloatArray
+from ..frozen import frozen
 from ..laws.laws import Law
 from ..model.model import Model
 from ..run.clock import Clock, time_grid
@@ -26,7 +26,7 @@ from .numerics import build_integrator
 _SOMEWHERE = np.array([0.0, 0.03, 1.0])
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Stepping:
     """How a run goes on in time.
 

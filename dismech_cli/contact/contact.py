@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
 
 from ..arrays import FloatArray
+from ..frozen import frozen
 from ..kernels.driver import Driver
 from ..kernels.linearization import Coupling
 from ..kinematics.dofs import DofMap
@@ -50,7 +51,7 @@ def as_found(pairs: Source, name: str) -> Source:
     return pairs
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Friction:
     """Regularised Coulomb friction.
 
@@ -85,7 +86,7 @@ def along_lines(contact: Contact, driver: Driver) -> Iterator[Source]:
     yield from contact.guards.sources(searches, loops_of(driver))
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Contact:
     """Who may touch whom, how stiff and how rough; implements :class:`~dismech_cli.model.term.ChangingTerm`.
 

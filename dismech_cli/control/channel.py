@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
+from ..frozen import frozen
 from ..laws.signal import Value
 from .target import Target
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Channel:
     """A part of the inputs: a ramp of ``n`` values between two times.
 
@@ -62,7 +61,7 @@ class Channel:
         return out
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Commanded:
     """A signal: some values of a channel; zero where nothing controls the system.
 
@@ -86,7 +85,7 @@ class Commanded:
         return self.channel.value(t, inputs)[self.members]
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Stiffened:
     """A signal: where springs that are 1 + p times as stiff rest, so that they pull as a PI loop would.
 

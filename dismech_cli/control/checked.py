@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from ..arrays import FloatArray
 from ..errors import ControlError
+from ..frozen import frozen
 from .controller import Controller, Memory
 from .limits import UNLIMITED, Limits
 
 _COMMAND = "command"
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Checked:
     """A controller of a plugin within limits.
 

@@ -9,13 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
 from ..errors import LawError
+from ..frozen import frozen
 from ..model.state import State
 from ..solve.status import Status
 from ..solve.step import Stepper
@@ -31,7 +32,7 @@ _MOVE: Final = 1e-6
 _TRIES: Final = 20
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Gain:
     """What loops do.
 
@@ -86,7 +87,7 @@ def loop_gain(loops: Sequence[SampledLoop], stepper: Stepper, start: State, time
     return Gain(float(np.diag(reach).max()), growth(1.0), alone, _margin(growth, max(alone, 1.0)))
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class _Plant:
     """The system over one period, linear about its start: x' = A x + B0 u0 + B1 u1, y = C x.
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
+from ..frozen import frozen
 from .controller import Memory
 from .limits import UNLIMITED, Limits
 
@@ -14,7 +15,7 @@ from .limits import UNLIMITED, Limits
 _LEFT = 0.9
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Incremental:
     """u += p e + i I with e = r - y, then one pass over neighbours, then limits; dI/dt = e.
 

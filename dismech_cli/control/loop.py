@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Final, Protocol
 
 import numpy as np
 
 from ..arrays import FloatArray
+from ..frozen import frozen
 from ..model.saved import within
 from ..model.state import State
 
@@ -46,7 +47,7 @@ class Loop(Protocol):
         """What is added to natural strains at a state, shape (n,)."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class SampledLoop:
     """A controller that is asked once per period, and whose command is reached at the next sample.
 
@@ -108,7 +109,7 @@ class SampledLoop:
         return self.channel.value(state.t, state.inputs)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class IdealLoop:
     """Feedback inside the balance of forces; the integral alone is put in, step by step.
 
@@ -155,7 +156,7 @@ class IdealLoop:
         return u + (1.0 + self.p) * self.integral.value(state.t, state.inputs)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Controls:
     """All loops of a system.
 

@@ -6,13 +6,14 @@ import hashlib
 import importlib.util
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from types import ModuleType
 from typing import Any, Final, NoReturn, Protocol
 
 from ..arrays import FloatArray
 from ..errors import ScenarioError
+from ..frozen import frozen
 from .controller import Controller, Memory
 
 
@@ -27,7 +28,7 @@ class Plugins(Protocol):
         """
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Plugin:
     """A file of controllers that was loaded.
 
@@ -61,7 +62,7 @@ class Plugin:
         return made
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Loaded:
     """The plugins of a command line.
 
@@ -89,7 +90,7 @@ NONE: Final = Loaded()
 """No plugins."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Dummies:
     """Controllers that nobody asks: for those who look at results."""
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Protocol
 
 from ..arrays import IntArray
+from ..frozen import frozen
 from ..laws.signal import Signal
 from .channel import Channel, Commanded, Stiffened
 from .target import Target
@@ -22,7 +22,7 @@ class Port(Protocol):
         """What springs follow, by their numbers among those that are commanded, shape (K,)."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class SampledPort:
     """Springs follow a command as they would follow a law.
 
@@ -39,7 +39,7 @@ class SampledPort:
         return Commanded(self.channel, members)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class IdealPort:
     """Springs are 1 + p times as stiff.
 

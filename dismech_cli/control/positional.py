@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from ..arrays import FloatArray
+from ..frozen import frozen
 from .controller import Memory
 from .limits import UNLIMITED, Limits
 from .smoothing import UNSMOOTHED, Smoothing
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Positional:
     """u = f r + F(p (w r - y) + I - d dy/dt) within limits; dI/dt = i (r - y).
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 
 from ..arrays import FloatArray
+from ..frozen import frozen
 from ..model.state import State
 from .controller import Memory
 from .noise import Noise
@@ -24,7 +24,7 @@ class Reading(Protocol):
         """The values, shape (size,)."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Sensor:
     """A sensor that is asked once per period.
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any, Final, Protocol
 
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
+from ..frozen import frozen
 
 
 class Smoothing(Protocol):
@@ -17,7 +17,7 @@ class Smoothing(Protocol):
         """The values, smoothed; (n,) or (n, k)."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Unsmoothed:
     """Leaves values as they are."""
 
@@ -30,7 +30,7 @@ UNSMOOTHED: Final = Unsmoothed()
 """No smoothing."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class GraphSmoothing:
     """Keeps constants and is symmetric, so nothing is lost; waves shorter than the length fade.
 

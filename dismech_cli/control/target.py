@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 
 from ..arrays import FloatArray
+from ..frozen import frozen
 from ..laws.laws import Law
 
 
@@ -23,7 +23,7 @@ class Target(Protocol):
         """The values at ``t`` [s], shape (n,)."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class ByLaw:
     """A law of time and place.
 
@@ -45,7 +45,7 @@ class ByLaw:
         return np.asarray(self.law(t, self.places))
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Fixed:
     """Always the same values."""
 
@@ -61,7 +61,7 @@ class Fixed:
         return self.values
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Course:
     """Values at given times, held outside.
 
@@ -100,7 +100,7 @@ class Course:
         return np.asarray(self.lookup(min(max(t, self.times[0]), self.times[-1])))
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Untold:
     """No target: a plugin that needs none gets no values."""
 

@@ -12,12 +12,12 @@ and the transport itself turns that normal about v by s per change of v,
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
+from ..frozen import frozen
 from ..geometry.blocks import scale_block, with_column
 from ..geometry.kernel import kernel
 from ..geometry.vectors import combine, combine_block, cross, dot, norm, outer, scale, spin
@@ -66,7 +66,7 @@ EDGE_TORQUE = LoadKernel(
 )
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class EdgeTorque:
     """Torques about shell edges.
 

@@ -6,17 +6,16 @@ motion: the bare sum over the triangles of an open shell would depend on the ori
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from scipy.sparse import csr_matrix
 
 from ..arrays import FloatArray, IntArray
+from ..frozen import frozen
 from ..mesh.topology.components import components
 from ..mesh.topology.sides import rim_sides
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class EnclosedVolume:
     """A closed surface made of a shell and its fans.
 

@@ -13,12 +13,12 @@ so it balances no torque there, and the skew term of ``forces/moment.py`` vanish
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import ClassVar, Protocol
 
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
+from ..frozen import frozen
 from ..geometry.face_rotation import face_axes
 from ..kernels.driver import Driver
 from ..kernels.linearization import Coupling, Pattern
@@ -55,7 +55,7 @@ class Carrier(Protocol):
         """Auxiliary inputs of each part, shape (K, A)."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class PlanarEdges:
     """Rod edges of a planar scene: tangent and the normal in the plane.
 
@@ -84,7 +84,7 @@ class PlanarEdges:
         return np.empty((len(self.dofs), 0), dtype=np.int64)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class FramedEdges:
     """Rod edges with material frames: tangent, m1, m2.
 
@@ -110,7 +110,7 @@ class FramedEdges:
         return cls(np.concatenate(ends).T, rest, frames.director_places(edges).reshape(-1, 6))
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Faces:
     """Triangles: unit vectors along, across and normal, turned by their polar rotation.
 
@@ -139,7 +139,7 @@ class Faces:
         return np.empty((len(self.dofs), 0), dtype=np.int64)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class FollowerForce:
     """Forces on the nodes of carriers, turning with them.
 

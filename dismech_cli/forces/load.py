@@ -6,19 +6,19 @@ and cost nothing in the matrix.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
 from ..arrays import FloatArray
+from ..frozen import frozen
 from ..kernels.driver import Driver
 from ..kernels.linearization import Coupling, Linearization, Pattern
 from ..laws.signal import Signal
 from ..model.configuration import Configuration
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class DeadLoad:
     """Force on the DOFs, constant in direction; implements both Term and BoundEnergy.
 

@@ -12,12 +12,13 @@ derivative of the whole balance.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, ClassVar
 
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
+from ..frozen import frozen
 from ..geometry.blocks import entries, scale_block, with_column
 from ..geometry.kernel import kernel
 from ..geometry.vectors import combine, combine_block, cross, dot, norm, outer, scale, spin
@@ -96,7 +97,7 @@ def plane_normal(axes: tuple[int, ...]) -> FloatArray:
     return np.cross(first, second)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class EdgeMoment:
     """Moments on edges.
 

@@ -6,12 +6,12 @@ it is neither.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
+from ..frozen import frozen
 from ..geometry.kernel import kernel
 from ..geometry.vectors import cross, scale
 from ..kernels.driver import Driver
@@ -58,7 +58,7 @@ def face_pressure(y: Any, a: Any, p: Any) -> Any:
 FACE_PRESSURE = LoadKernel(face_pressure, dimension=3, nodes=3, vectors=((0, 1), (0, 2)), constants=())
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class FollowerPressure:
     """A third of p times the face's normal area on each of its corners.
 
@@ -83,7 +83,7 @@ class FollowerPressure:
         return BoundLoad.of(self.name, FACE_PRESSURE, self.corners, {}, self.signal, pattern, driver)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class VolumePressure:
     """E = -p V with V the signed volume between the faces and a fixed point.
 
@@ -110,7 +110,7 @@ class VolumePressure:
         return _BoundVolume(self.name, self, slots)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class _BoundVolume:
     """Conservative pressure bound to a pattern; implements BoundEnergy."""
 

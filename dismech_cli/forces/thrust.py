@@ -5,12 +5,12 @@ The force on one node depends on the velocities of all: the tangent is a full ma
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
+from ..frozen import frozen
 from ..kernels.driver import Driver
 from ..kernels.linearization import Coupling, Linearization, Pattern, RankOne
 from ..kinematics.dofs import DofMap
@@ -18,7 +18,7 @@ from ..model.configuration import Configuration
 from .enclosed_volume import EnclosedVolume
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Thrust:
     """Thrust on the nodes of a shell; implements both Term and BoundTerm.
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import ClassVar
 
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
+from ..frozen import frozen
 from ..geometry.kernel import loop
 from ..kernels.driver import Driver
 from ..kernels.linearization import Coupling, Linearization, Pattern
@@ -43,7 +44,7 @@ def _add_batch(
     np.add.at(damping, slots, coefficients)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class ViscousDamping:
     """Damping proportional to velocity.
 
@@ -80,7 +81,7 @@ class ViscousDamping:
         return BoundViscousDamping(self.name, dofs, each, pattern.symmetric_slots(dofs, dofs), add)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class BoundViscousDamping:
     """Viscous damping bound to a pattern."""
 

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
 from importlib.metadata import version
 from importlib.util import find_spec
 
+from ..frozen import frozen
+
 _HINT = "pip install 'dismech[fast]'"
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class NumbaFault:
     """Why Numba cannot be used.
 

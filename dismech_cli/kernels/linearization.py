@@ -9,9 +9,10 @@ from typing import Protocol
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
+from ..frozen import frozen
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Coupling:
     """DOFs that a term couples pairwise.
 
@@ -55,7 +56,7 @@ class Pattern(Protocol):
         """Slot of entry (row, column) of a pattern that stores both triangles."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class RankOne:
     """A tangent that couples all with all, as an outer product: too full for a sparse pattern.
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import hashlib
 import platform
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cache
 from typing import Any, Final
 
+from ..frozen import frozen
 from .availability import numba_version
 from .fingerprint import fingerprint
 from .numba_source import call_source, drag_source, load_source, map_source, rate_source, stencil_source
@@ -18,7 +18,7 @@ FASTMATH: Final = ("nsz", "arcp", "contract", "afn", "reassoc")
 """Reassociation and contraction only: never nnan or ninf, which delete checks for NaN."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class LoopText:
     """The loops of one kernel in one shape.
 

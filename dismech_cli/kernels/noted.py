@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any, Final, cast
 
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
+from ..frozen import frozen
 from .driver import DragLoop, LoadLoop, LoopT, RateLoop, StencilLoop
 from .linearization import Linearization, Pattern
 from .loop_text import LoopText, call_text, drag_text, load_text, rate_text, stencil_text
 from .shape import DragKernel, Kernel, LoadKernel, RateKernel
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Block:
     """The loop of one term.
 
@@ -36,7 +37,7 @@ class Block:
     tables: tuple[Any, ...] = ()
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Call:
     """A loop that was run.
 
@@ -56,7 +57,7 @@ class Call:
 # Each of them is a loop that can be linearised and nothing else, since nothing else is asked of it.
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class _NotedStencils:
     block: Block
     calls: list[Call]
@@ -67,7 +68,7 @@ class _NotedStencils:
         self.calls.append(Call(self.block, q, None, (parameters,)))
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class _NotedDrag:
     block: Block
     calls: list[Call]
@@ -78,7 +79,7 @@ class _NotedDrag:
         self.calls.append(Call(self.block, q, v, (parameters,)))
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class _NotedLoad:
     block: Block
     calls: list[Call]
@@ -94,7 +95,7 @@ class _NotedLoad:
         self.calls.append(Call(self.block, q, None, (parameters, scale)))
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class _NotedRates:
     block: Block
     calls: list[Call]
@@ -110,7 +111,7 @@ class _NotedRates:
         self.calls.append(Call(self.block, q, v, (parameters,)))
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class _NotedCall:
     text: LoopText
     calls: list[Call]
@@ -143,7 +144,7 @@ class NotWovenError(Exception):
     """A term has a loop that compiled steps cannot take."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class NotingDriver:
     """A driver of loops that note; implements :class:`.driver.Driver`.
 

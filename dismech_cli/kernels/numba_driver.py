@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cache, partial
 from typing import Any, cast
 
@@ -11,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import FloatArray, IntArray
+from ..frozen import frozen
 from .driver import DragLoop, LoadLoop, LoopT, RateLoop, StencilLoop
 from .linearization import Linearization, Pattern
 from .loop_module import LoopModule
@@ -202,7 +202,7 @@ def _call_loop(function: Callable[..., Any]) -> LoopModule:
     return _module(call_text(function))
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class NumbaDriver:
     """Compiled loops; needs the extra ``[fast]``."""
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from scipy.sparse import csr_matrix
 
 from ..arrays import FloatArray, IntArray
+from ..frozen import frozen
 from .driver import DragLoop, LoadLoop, LoopT, RateLoop, StencilLoop
 from .linearization import Linearization, Pattern
 from .loop_text import LoopText
@@ -223,7 +223,7 @@ def _rows(values: Any, count: int) -> FloatArray:
     return out
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class NumpyDriver:
     """Always available; as fast as the compiled loops on meshes of 1e5 stencils, to a factor of ten."""
 

@@ -8,12 +8,13 @@ the solution. Energies and gradients are untouched, so what is balance stays bal
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
+from ..frozen import frozen
 from .driver import DragLoop, Driver, LoadLoop, LoopT, RateLoop, StencilLoop
 from .linearization import Linearization, Pattern
 from .loop_text import LoopText
@@ -58,7 +59,7 @@ def _projected(kernel: Kernel) -> Kernel:
     return replace(kernel, function=function)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class ProjectedLoop:
     """Energy and gradient as they are, tangents projected.
 
@@ -87,7 +88,7 @@ class ProjectedLoop:
         self.projected.add_linearization(q, auxiliary, parameters, into)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class ProjectedDriver:
     """Another driver's loops, with the tangents of energies projected.
 

@@ -21,9 +21,10 @@ from typing import Any
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
+from ..frozen import frozen
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Parameters:
     """Names of what a kernel reads for each stencil, in the order in which it reads them.
 

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 
 from ..arrays import FloatArray, IntArray
+from ..frozen import frozen
 from .driver import DragLoop, LoadLoop, LoopT, RateLoop, StencilLoop
 from .linearization import Pattern
 from .loop_text import LoopText, call_text, drag_text, load_text, map_text, rate_text, stencil_text
@@ -21,7 +22,7 @@ class _Idle:
         raise AssertionError(f"{name} of a loop that was only asked for")
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class WantedLoops:
     """A driver that notes what it is asked for; implements :class:`.driver.Driver`.
 

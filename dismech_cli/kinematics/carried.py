@@ -7,20 +7,20 @@ tangent and turned on by the spin of the step, is compared with the one that the
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import inf
 from typing import ClassVar
 
 import numpy as np
 
 from ..arrays import BoolArray, FloatArray, IntArray
+from ..frozen import frozen
 from ..geometry.rotation import orthonormal_to, parallel_transport, rotate_about, signed_angle
 from ..laws.laws import Law
 from .motion import Since
 from .rigid import Rigid
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class CarriedNodes:
     """Positions that turn about lines and are displaced then.
 
@@ -57,7 +57,7 @@ class CarriedNodes:
         return np.ascontiguousarray((x + d)[:, list(self.axes)]).reshape(-1)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class CarriedEdges:
     """Angles of rod edges whose directors a rigid motion carries, both their nodes with them.
 
@@ -102,7 +102,7 @@ class CarriedEdges:
         return angle + _turned(start, material, along, wanted, expected)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class CarriedNormals:
     """Angles of mid-edge normals that a rigid motion carries.
 

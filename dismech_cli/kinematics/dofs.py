@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
+from ..frozen import frozen
 
 AXES = {"x": 0, "y": 1, "z": 2}
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class DofMap:
     """Maps nodes and edges to DOFs, and back to words.
 

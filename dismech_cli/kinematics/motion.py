@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import inf
 from typing import ClassVar, Protocol
 
 import numpy as np
 
 from ..arrays import BoolArray, FloatArray, IntArray
+from ..frozen import frozen
 from ..laws.laws import Law
 from .rod_frames import FrameState
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Since:
     """The accepted state that a trial point starts from.
 
@@ -61,7 +61,7 @@ class Prescribed(Protocol):
         """
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Motion:
     """DOFs that follow reference + law(t) until they are released.
 

@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from ..arrays import FloatArray
 from ..errors import LawError
+from ..frozen import frozen
 from ..laws.laws import Law
 
 # Parts of a step by which the spin of several rotations is summed: it need only be right to half a turn.
 _PARTS: Final = 32
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Turn:
     """A rotation about a line fixed in space.
 
@@ -40,7 +40,7 @@ class Turn:
         return out
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Rigid:
     """Rotations in their order, each about a line of its own that the others leave where it is.
 

@@ -7,12 +7,13 @@ chained over Newton iterates: a rejected step leaves no trace.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import Any, ClassVar, Protocol
 
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
+from ..frozen import frozen
 from ..geometry.kernel import kernel
 from ..geometry.rotation import orthonormal_to, parallel_transport, rotate_about, signed_angle
 from ..geometry.vectors import combine, cross, norm, scale
@@ -30,7 +31,7 @@ def _no_numbers() -> FloatArray:
     return _NO_NUMBERS
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class FrameState:
     """Frames at an accepted state.
 
@@ -51,7 +52,7 @@ class FrameState:
     edge_angle: FloatArray = field(default_factory=_no_numbers)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class TrialFrames:
     """Frames at a trial point.
 
@@ -76,7 +77,7 @@ class FramesAt(Protocol):
         """Inputs of kernels, shape (size,)."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class EdgeTables:
     """Where frames of edges are carried, for loops that carry them with all else.
 
@@ -204,7 +205,7 @@ def joint_reference_twist(x: Any) -> Any:
     return (stored + signed_angle(u, af, tf),)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class RodFrames:
     """Frames of the edges that carry an angle.
 

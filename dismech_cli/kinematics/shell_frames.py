@@ -8,11 +8,12 @@ kernels do this themselves from the stored values, which are therefore their aux
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
+from ..frozen import frozen
 from ..geometry.rotation import rotate_about, signed_angle
 from ..kernels.driver import Driver
 from .dofs import DofMap
@@ -20,7 +21,7 @@ from .rod_frames import Frames, FrameState, TrialFrames, edge_frame
 from .turning import TurningEdges
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class ShellFrames:
     """Frames of a scene with free mid-edge normals: those of its rods, then those of its shells.
 

@@ -12,14 +12,13 @@ the varied tangent.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
+from ..frozen import frozen
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Holonomy:
     """How the frames of some edges turn with the ends of the C ways that they were carried along.
 
@@ -41,7 +40,7 @@ def crossed(a: FloatArray, b: FloatArray) -> FloatArray:
     return np.stack((a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]))
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class TurningEdges:
     """Edges whose frames are carried from step to step.
 

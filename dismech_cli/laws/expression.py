@@ -6,13 +6,13 @@ import ast
 import math
 import warnings
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any, Final, TypeAlias
 
 import numpy as np
 
 from ..arrays import FloatArray
 from ..errors import ScenarioError
+from ..frozen import frozen
 from ..words import hint
 from .waves import sawtooth, smoothstep, square, step
 
@@ -78,7 +78,7 @@ class ExpressionError(ScenarioError):
         self.reason = reason
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Compiled:
     """An expression ready to be evaluated.
 
@@ -106,7 +106,7 @@ def compile_expression(text: str, variables: Sequence[str] = VARIABLES) -> Compi
     return Compiled(program, frozenset(builder.met))
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Parsed:
     """The syntax of a text, not yet checked.
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Final, Protocol
 
 import numpy as np
 
 from ..arrays import FloatArray
 from ..errors import LawError
+from ..frozen import frozen
 from .expression import Compiled, Program, compile_expression
 from .laws import Law
 from .slope import compile_slope
@@ -31,7 +32,7 @@ class Field(Protocol):
         """Their slopes to the position, shape (N, 3)."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Uniform:
     """A law of time, the same everywhere.
 
@@ -55,7 +56,7 @@ class Uniform:
         return np.zeros_like(x)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Spatial:
     """Arithmetic text of t, x, y and z, see :func:`.expression.compile_expression`.
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from math import inf
 from typing import Any, ClassVar, Literal, Protocol, TypeAlias
 
@@ -11,6 +11,7 @@ import numpy as np
 
 from ..arrays import FloatArray
 from ..errors import LawError, ScenarioError
+from ..frozen import frozen
 from .expression import VARIABLES, Compiled, compile_expression
 from .signal import Signal, Value
 from .waves import sawtooth
@@ -56,7 +57,7 @@ def _spread(value: Any, s: Value) -> Value:
     return float(value)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Constant:
     """Always the same value.
 
@@ -79,7 +80,7 @@ class Constant:
         return _spread(self.level, s)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Proportional:
     """``slope`` times t, without an end.
 
@@ -102,7 +103,7 @@ class Proportional:
         return _spread(self.slope * t, s)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Table:
     """Values at given times, held before the first and after the last.
 
@@ -172,7 +173,7 @@ def _interpolator(x: FloatArray, y: FloatArray, interpolation: Interpolation) ->
     return lambda t: np.interp(t, x, y)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Ramp:
     """``before`` until ``start``, then straight to ``after`` at ``end``, and held."""
 
@@ -204,7 +205,7 @@ def _cycle(frequency: float) -> float:
     return 1.0 / abs(frequency) if frequency else inf
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Sine:
     """``offset + amplitude sin(2 pi frequency t + phase)``; frequency [Hz], phase [rad]."""
 
@@ -232,7 +233,7 @@ class Sine:
         return _spread(self.offset + self.amplitude * np.sin(angle), s)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Sawtooth:
     """``offset + amplitude sawtooth(2 pi frequency t + phase, width)``, see :mod:`.waves`."""
 
@@ -270,7 +271,7 @@ class Sawtooth:
         return _spread(self.offset + self.amplitude * sawtooth(angle, self.width), s)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Expression:
     """Arithmetic text of ``t`` and ``s``, see :func:`.expression.compile_expression`.
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
+from ..frozen import frozen
 
 
 def _no_edges() -> IntArray:
@@ -18,7 +19,7 @@ def _no_triangles() -> IntArray:
     return np.empty((0, 3), dtype=np.int64)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Mesh:
     """Nodes, rod edges and shell triangles.
 

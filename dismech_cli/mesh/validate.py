@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from ..arrays import BoolArray, FloatArray, IntArray
 from ..errors import MeshError
+from ..frozen import frozen
 from .allowed import PLAIN, Allowed
 from .limits import MAX_COORDINATE, check_count
 from .measure import area_vectors, edge_lengths, triangle_areas
@@ -29,7 +30,7 @@ FOLD_TOLERANCE = 1e-10
 """Neighbours are folded flat when 1 + cos(angle between normals) is below this: 1.4e-5 rad."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Lines:
     """Line numbers (from 1) of the entries of a mesh file; None where there are none.
 

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from ..arrays import FloatArray
+from ..frozen import frozen
 from ..kinematics.rod_frames import FramesAt
 from ..laws.signal import no_inputs
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Configuration:
     """A trial point.
 

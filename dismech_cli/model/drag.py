@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
+from ..frozen import frozen
 from ..kernels.driver import DragLoop, Driver
 from ..kernels.linearization import Coupling, Linearization, Pattern
 from ..kernels.shape import DragKernel
 from .configuration import Configuration
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class DragForce:
     """Many stencils of one drag force.
 
@@ -74,7 +74,7 @@ class DragForce:
         return BoundDrag(self.name, driver.drag(self.kernel, self.dofs, pattern), self.parameters)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class BoundDrag:
     """A drag force bound to a pattern."""
 

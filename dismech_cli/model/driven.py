@@ -7,10 +7,11 @@ the step: so actuated runs keep the order of their integrator, and nothing accum
 from __future__ import annotations
 
 from collections import deque
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import ClassVar, Final, TypeAlias
 
 from ..arrays import BoolArray, FloatArray, IntArray
+from ..frozen import frozen
 from ..kernels.driver import Driver
 from ..kernels.linearization import Coupling, Linearization, Pattern
 from ..laws.signal import Signal
@@ -23,7 +24,7 @@ _REMEMBERED: Final = 3
 _NUMBERS: Final = 2**19
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Drive:
     """An increment of natural strain.
 
@@ -47,7 +48,7 @@ Known: TypeAlias = dict[float, tuple[FloatArray, FloatArray]]
 """Inputs, and natural strains under them, by time."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class DrivenEnergy:
     """A stencil energy with drives; remembers the natural strains at the times and inputs last asked."""
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import ClassVar, Protocol
 
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
+from ..frozen import frozen
 from ..kernels.driver import Driver
 from ..kernels.linearization import Coupling, Linearization, Pattern
 from ..kinematics.dofs import DofMap
@@ -28,7 +29,7 @@ class Drag(Term, Protocol):
         """Slope of its residual share to these velocities [N s/m], shape (S, F, F)."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class DragInFlow:
     """A drag whose velocities are those relative to a fluid.
 
@@ -89,7 +90,7 @@ class DragInFlow:
         return BoundDragInFlow(self.name, self, self.drag.bind(pattern, driver), self.wet, slots)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class BoundDragInFlow:
     """A drag in a fluid that moves, bound to a pattern.
 

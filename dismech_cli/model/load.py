@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
+from ..frozen import frozen
 from ..kernels.driver import Driver, LoadLoop
 from ..kernels.linearization import Linearization, Pattern
 from ..kernels.shape import LoadKernel
@@ -16,7 +16,7 @@ from ..laws.signal import Signal
 from .configuration import Configuration
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class BoundLoad:
     """A load bound to a pattern.
 

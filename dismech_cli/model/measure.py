@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
+from ..frozen import frozen
 from ..kernels.driver import Driver, StencilLoop
 from ..kinematics.rod_frames import Frames, TrialFrames
 from .state import State
@@ -20,7 +20,7 @@ _STEP: Final = 0.1
 _COUPLED: Final = 1e-9
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class NoPattern:
     """Where no entry has a place: for loops that are asked for energies alone.
 
@@ -59,7 +59,7 @@ class NoPattern:
         return np.zeros(np.broadcast_shapes(row.shape, column.shape), dtype=np.int64)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class StrainReading:
     """Strains of some stencils beyond their natural ones, each a sum over what its kernel calls strains.
 

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from ..arrays import FloatArray
+from ..frozen import frozen
 from ..kernels.driver import Driver
 from ..kinematics.dofs import DofMap
 from ..kinematics.motion import Prescribed
@@ -12,7 +11,7 @@ from ..kinematics.rod_frames import Frames
 from .term import ChangingTerm, Term
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Model:
     """Everything physical about a scene; frozen.
 

@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
+from ..frozen import frozen
 from ..kernels.driver import Driver, RateLoop
 from ..kernels.linearization import Coupling, Linearization, Pattern
 from ..kernels.shape import RateKernel
 from .configuration import Configuration
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class ViscousStress:
     """Many stencils of one viscous stress.
 
@@ -62,7 +62,7 @@ class ViscousStress:
         return BoundViscousStress(self.name, loop, self.parameters)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class BoundViscousStress:
     """A viscous stress bound to a pattern."""
 

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import field, fields
 
 from ..arrays import FloatArray
+from ..frozen import frozen
 from ..kinematics.rod_frames import FrameState
 from ..laws.signal import no_inputs
 from .saved import Arrays, Numbers, within
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class State:
     """Everything a step starts from; implements :class:`~.saved.Saved`.
 

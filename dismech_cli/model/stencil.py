@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
 
 from ..arrays import BoolArray, FloatArray, IntArray
+from ..frozen import frozen
 from ..kernels.driver import Driver, StencilLoop
 from ..kernels.linearization import Coupling, Linearization, Pattern
 from ..kernels.shape import Kernel
 from .configuration import Configuration
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class StencilEnergy:
     """Many stencils of one energy.
 
@@ -108,7 +109,7 @@ class StencilEnergy:
         return BoundStencil(self.name, self.shares, len(self.kernel.naturals), loop, self.parameters)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class BoundStencil:
     """A stencil energy bound to a pattern; implements :class:`~.term.BoundEnergy`."""
 

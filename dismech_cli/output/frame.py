@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Literal, Protocol
 
 from ..arrays import FloatArray, IntArray
+from ..frozen import frozen
 
 Location = Literal["node", "cell"]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class FieldSpec:
     """One field that every frame of a run carries.
 
@@ -30,7 +31,7 @@ class FieldSpec:
     components: int = 1
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Topology:
     """What does not change during a run.
 
@@ -61,7 +62,7 @@ class Topology:
     scalars: Mapping[str, str] = field(default_factory=dict)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Frame:
     """The robot at one time.
 

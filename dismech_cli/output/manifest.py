@@ -8,13 +8,14 @@ import platform
 import re
 import sys
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import asdict, field, fields
 from datetime import UTC, datetime
 from importlib import import_module, metadata
 from pathlib import Path
 from typing import Literal, get_args
 
 from ..errors import OutputError
+from ..frozen import frozen
 from .durable import output_errors, write_bytes
 from .jsonable import Json, dumps
 from .threads import thread_settings
@@ -76,7 +77,7 @@ def utc_now() -> str:
     return datetime.now(UTC).isoformat(timespec="seconds")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Manifest:
     """The record of one run; use :func:`dataclasses.replace` to bring it up to date.
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 
 from ..errors import ScenarioError
+from ..frozen import frozen
 from .frame import Writer
 from .hdf5.writer import Hdf5Writer
 from .run_directory import RUN_FILE, SCALARS_FILE
@@ -14,7 +14,7 @@ from .table import CsvWriter
 from .vtu import FRAMES_FOLDER, SERIES_FILE, VtuWriter
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class WriterKind:
     """A file format.
 

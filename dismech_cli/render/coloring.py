@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +10,7 @@ from numpy.typing import NDArray
 
 from ..arrays import FloatArray, IntArray
 from ..errors import ScenarioError
+from ..frozen import frozen
 from ..output.frame import FieldSpec, Topology
 from ..output.read import Run
 from ..words import hint
@@ -55,7 +55,7 @@ INK: Mapping[Background, Rgb] = {
 Colors = NDArray[np.uint8]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Scale:
     """How values become colours, the same in every frame.
 
@@ -84,7 +84,7 @@ class Scale:
         return colors
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Field:
     """A field of every frame, stored by the run or computed after it.
 

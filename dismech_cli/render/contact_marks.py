@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
+from ..frozen import frozen
 from ..output.read import Run
 from .settings import Rgb, Settings
 from .timeline import Frames, shot_at
@@ -22,7 +22,7 @@ _LONGEST, _NECK, _SHAFT, _HEAD = 0.3, 0.68, 0.035, 0.1
 _SHORTEST = 0.02
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Arrows:
     """Arrows along vectors at nodes, as long as these are large; implements :class:`.parts.Part`.
 

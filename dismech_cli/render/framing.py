@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from ..arrays import FloatArray
+from ..frozen import frozen
 from ..output.read import Run
 from .settings import Camera, Settings, Solid, View
 from .timeline import Shot, shot_at
@@ -31,7 +31,7 @@ _DIRECTIONS: dict[View, tuple[FloatArray, FloatArray]] = {
 }
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Framing:
     """A camera for every shot.
 
@@ -125,7 +125,7 @@ def frame_motion(run: Run, settings: Settings, shots: Sequence[Shot]) -> Framing
     )
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class _Extent:
     """What a run fills, along the axes of the picture.
 

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any, Protocol
 
 import numpy as np
 
 from ..arrays import FloatArray
+from ..frozen import frozen
 from ..output.frame import FieldSpec
 from ..output.read import Run
 from .coloring import Field, Painter, Scale
@@ -19,7 +20,7 @@ from .settings import Camera, Image, Settings, Solid
 from .timeline import Shot
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Stage:
     """What a renderer works with.
 
@@ -56,7 +57,7 @@ class Renderer(Protocol):
         """Yield one picture per shot, in order: RGBA on a transparent background, else RGB."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Job:
     """Shots to draw; the pictures go to stdout, one after another.
 

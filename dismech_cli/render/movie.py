@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 
 import numpy as np
 
 from ..arrays import FloatArray
 from ..errors import RenderError, ScenarioError
+from ..frozen import frozen
 from ..output.durable import output_errors
 from ..output.read import read
 from ..output.run_directory import RENDER_FOLDER
@@ -30,7 +31,7 @@ Progress = Callable[[int, int], None]
 _PLAIN = "OpenGL does not work here: the plain renderer draws, without shadows and occlusion"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Wanted:
     """Files that are asked for.
 
@@ -51,7 +52,7 @@ class Wanted:
     output: Path | None = None
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Drawn:
     """What came of it.
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
+from ..frozen import frozen
 from .framing import Framing
 from .settings import Rgb, Solid
 from .timeline import shot_at
@@ -19,7 +19,7 @@ _COLOR: Rgb = (206, 210, 216)
 _UNBOUNDED, _SHEET = 2.0, 0.04
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class RigidPart:
     """A rigid surface; implements :class:`.parts.Part`.
 

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import FloatArray
+from ..frozen import frozen
 
 View = Literal["xy", "xz", "yz", "iso"]
 Format = Literal["mp4", "gif", "png"]
@@ -24,7 +25,7 @@ Image = NDArray[np.uint8]
 """RGB or RGBA picture, shape (height, width, 3 or 4)."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Camera:
     """Where the eye is.
 
@@ -45,7 +46,7 @@ class Camera:
     follow: tuple[int, ...] | None = None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Solid:
     """An obstacle: a box with rounded edges; of no sides a ball, of one a capsule.
 
@@ -73,7 +74,7 @@ class Solid:
         return int(np.isinf(self.half).sum()) > 1
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Settings:
     """Choices of one set of pictures.
 

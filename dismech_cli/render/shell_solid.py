@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
+from ..frozen import frozen
 from ..mesh.measure import area_vectors
 from ..mesh.topology.sides import rim_sides
 from ..output.frame import Topology
 from .tubes import unit
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class ShellSolid:
     """What does not move of the surface of one body.
 

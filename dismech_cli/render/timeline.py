@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Protocol
 
 import numpy as np
 
 from ..arrays import FloatArray
+from ..frozen import frozen
 
 # A film is neither a flash nor an evening: outside these, time is stretched or squeezed [s].
 _SHORTEST, _LONGEST = 1.0, 120.0
@@ -31,7 +32,7 @@ class Frames(Some, Protocol):
         """Number of frames."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Shot:
     """One picture: the state between two frames, or at one.
 
@@ -57,7 +58,7 @@ class Shot:
         return np.asarray((1.0 - self.weight) * lower + self.weight * values[self.upper])
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Film:
     """The pictures of a film.
 

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Final, NamedTuple
 
+from ..frozen import frozen
 from ..solve.integrators import Integrator
 from ..solve.step_result import StepResult
 from .error_norm import ErrorNorm
@@ -26,7 +27,7 @@ class Measured(NamedTuple):
     error: float
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Accuracy:
     """Measures steps; remembers the last one, which is asked for when it is judged and when it is taken.
 

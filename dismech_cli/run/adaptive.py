@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import ClassVar
 
+from ..frozen import frozen
 from ..model.saved import Arrays, Numbers
 from ..solve.step_result import StepResult
 from .accuracy import Accuracy
@@ -17,7 +18,7 @@ from .tolerance import Tolerance
 _STEPS, _AT, _RESTART = 250.0, 1e-3, 6
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Adaptive:
     """Where a run with adaptive steps stands; implements :class:`~.step_control.StepControl`.
 

@@ -6,9 +6,9 @@ in vain. Each failure at about the length of the one before doubles how many ste
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import inf
 
+from ..frozen import frozen
 from ..model.saved import Numbers
 
 # Share of a length that failed which is taken meanwhile, and how near the next failure counts as the same.
@@ -17,7 +17,7 @@ _SHARE, _SAME = 0.8, 2.0
 _FIRST, _MOST = 4, 64
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Barred:
     """The last length that failed.
 

@@ -7,12 +7,13 @@ fractions; two successes at one level bring back the level above.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
 
 from ..arrays import FloatArray
+from ..frozen import frozen
 from ..model.saved import Arrays, Numbers
 from ..solve.step_result import StepResult
 
@@ -33,7 +34,7 @@ def time_grid(dt: float, t_end: float, events: tuple[float, ...] = ()) -> FloatA
     return times
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Clock:
     """Where a run stands on its grid; implements :class:`~.step_control.StepControl`.
 

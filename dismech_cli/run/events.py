@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
+from ..frozen import frozen
 from ..model.state import State
 from ..solve.status import Status
 from .simulation import Simulation
 from .sink import Sink
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Events:
     """Tells a sink what happens at steps.
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from math import isfinite
 from typing import NamedTuple
 
 import numpy as np
 
+from ..frozen import frozen
 from ..model.state import State
 from ..solve.integrators import INTEGRATORS, Integrator, Static
 from ..solve.path import PathFollower
@@ -48,7 +48,7 @@ class Attempt(NamedTuple):
         return cls(start, end, result.status, result.iterations, result.residual_norm, result.worst)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Failure:
     """Why a run ends before its time.
 

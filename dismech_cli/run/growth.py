@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
+from ..frozen import frozen
 from ..model.model import Model
 
 # Energy from nowhere, in units of all energy that was given: no damping scheme comes near, and an
@@ -17,7 +17,7 @@ _RUNAWAY: Final = 100.0
 _STILL: Final = 1e-6
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Growth:
     """Judges the error of an account; statics rests in a balance that Newton's method has checked.
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import time
 from collections import deque
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from enum import Enum
 
 from ..arrays import FloatArray
 from ..errors import ControlError, LawError
+from ..frozen import frozen
 from ..model.saved import Arrays, Numbers
 from ..model.state import State
 from ..solve.integrators import Static
@@ -48,7 +48,7 @@ class End(Enum):
     INTERRUPTED = "interrupted"
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Limits:
     """When to pause a run.
 
@@ -63,7 +63,7 @@ class Limits:
     until: float = float("inf")
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Outcome:
     """Result of a run.
 

@@ -8,13 +8,13 @@ does not. Jumps that are known end a step.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import inf
 
 import numpy as np
 
 from ..arrays import FloatArray
 from ..errors import LawError
+from ..frozen import frozen
 from ..laws.laws import Law
 
 # A law with more jumps than this is a signal, such as one that was measured.
@@ -27,7 +27,7 @@ _CYCLE, _RANGE = 0.125, 0.25
 _PLACES = np.array([0.0, 0.37, 1.0])
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Pace:
     """How a run is driven.
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
 
+from ..frozen import frozen
 from ..model.saved import Arrays, Numbers
 from ..solve.step_result import StepResult
 
@@ -17,7 +18,7 @@ IMPERFECTION = "imperfection: {amplitude: 0.1 mm, mode: 1}"
 """What a user may type, with an amplitude of his own."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class PathControl:
     """Where a run stands on its path; implements :class:`~.step_control.StepControl`.
 

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
+from ..frozen import frozen
 from ..model.elastic import Elastic
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Roles:
     """The terms of a model by their place in the account.
 

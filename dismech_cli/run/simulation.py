@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 
 from numpy.typing import NDArray
 
 from ..control.loop import UNCONTROLLED, Controls
+from ..frozen import frozen
 from ..model.model import Model
 from ..model.state import State
 from ..output.frame import Topology
@@ -24,7 +25,7 @@ from .touched import Touched
 from .validity import Check
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Simulation:
     """A scene ready to step.
 

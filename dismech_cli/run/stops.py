@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from math import floor, inf
 from typing import Final
 
 import numpy as np
 
 from ..arrays import FloatArray
+from ..frozen import frozen
 from .pace import Pace
 
 # A step that ends this share of itself before a stop goes on to it.
 _STRETCH: Final = 1.1
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Stops:
     """Where steps end whatever their error.
 

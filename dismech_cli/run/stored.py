@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from ..arrays import FloatArray
+from ..frozen import frozen
 from ..model.configuration import Configuration
 from ..model.model import Model
 from ..model.term import BoundEnergy
@@ -15,7 +15,7 @@ from ..solve.system import System
 from .roles import Roles
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Stored:
     """The bound terms that store energy, by their place in the account.
 

@@ -7,12 +7,12 @@ nothing yet moves, is one that a real robot would take and this one does not.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import sqrt
 
 import numpy as np
 
 from ..arrays import FloatArray
+from ..frozen import frozen
 from ..model.saved import Arrays, Numbers
 from ..model.state import State
 from ..solve.linear.factors import FactorizationError
@@ -33,7 +33,7 @@ _ROUNDING = 1e-9
 _MORE, _MOST = 4, 32
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Found:
     """An unstable balance that nothing disturbs.
 
@@ -48,7 +48,7 @@ class Found:
     rate: float
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class _Look:
     """A state that is looked at.
 

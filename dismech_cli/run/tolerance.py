@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Final
+
+from ..frozen import frozen
 
 LENGTHS: Final = (1e-3, 1e-7, 0.1)
 """First, shortest and longest step by default, as shares of the run: measured on 24 scenes."""
@@ -12,7 +13,7 @@ RTOL: Final = 5e-4
 """Error of a step as a share of the motion, by default: ends of swings are then right to about 1 %."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Tolerance:
     """What a user asks of adaptive steps.
 

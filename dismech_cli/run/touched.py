@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
+from ..frozen import frozen
 from ..model.state import State
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Penetration:
     """How deep two bodies were in each other, and where and when.
 
@@ -28,7 +28,7 @@ class Penetration:
     t: float
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Touched:
     """Reads what contact leaves in a state.
 

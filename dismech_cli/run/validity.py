@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from itertools import groupby
 from typing import Protocol
 
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
+from ..frozen import frozen
 from ..model.saved import Arrays, Numbers
 from .observables.snapshot import Snapshot
 
@@ -33,7 +33,7 @@ def unsure(s: Snapshot) -> bool:
     return False
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Check:
     """A limit of a model.
 

@@ -10,6 +10,7 @@ from itertools import pairwise
 import numpy as np
 
 from ..arrays import BoolArray, FloatArray, IntArray
+from ..frozen import frozen
 from ..kinematics.rod_frames import Frames, FramesAt, FrameState, TrialFrames
 from ..model.configuration import Configuration
 from ..model.model import Model
@@ -84,7 +85,7 @@ class Known:
         return Configuration(other.law_time, self.state.q, self.state.v, self.carried, other.inputs)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Part:
     """A part of a step.
 

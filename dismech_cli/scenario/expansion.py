@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 
+from ..frozen import frozen
 from .checking.validation import validate
 from .language.scenario import Scenario
 from .text.parameters import KEY, Parameter, measures, mentions, resolve
@@ -14,7 +14,7 @@ from .text.tree import KeyPath, Node, as_written, place, told
 from .views.walk import leaves
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Expanded:
     """A merged scenario without parameters.
 

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from typing import Any, Literal
 
 from ..errors import ScenarioError
+from ..frozen import frozen
 from ..words import listed
 from .checking.checks import findings
 from .checking.default_kinds import default_kinds
@@ -46,7 +47,7 @@ _TEXT, _MAPPING = "<text>", "<mapping>"
 _FORMATS = ("yaml", "toml")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class LoadedScenario:
     """A scenario and where it came from.
 
@@ -187,7 +188,7 @@ def load_mapping(
     return _load(tree, _unnamed(_MAPPING, directory, allow_outside), overrides, profile)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class _Origin:
     """Where a scenario comes from.
 
@@ -202,7 +203,7 @@ class _Origin:
     allow_outside: bool
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Written:
     """The text of a scenario file, before anything is merged into it."""
 

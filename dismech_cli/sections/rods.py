@@ -6,15 +6,15 @@ the stiffness about m2. Sizes and moduli may be numbers or arrays of one shape: 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import pi
 
 import numpy as np
 
 from ..arrays import FloatArray, Numbers
+from ..frozen import frozen
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Section:
     """Geometry of a cross-section.
 
@@ -33,7 +33,7 @@ class Section:
     radius: Numbers
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class RodProperties:
     """Stiffness and inertia of the edges of a rod, each an array of shape (E,).
 

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 from ..errors import ScenarioError
+from ..frozen import frozen
 from ..model.saved import save_all, within
 from ..output.durable import write_bytes
 from ..output.jsonable import Json
@@ -25,7 +26,7 @@ _MAY_NOT = ("numerics.kernels",)
 _CONTROL = "control."
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Change:
     """What a run is to go on with.
 

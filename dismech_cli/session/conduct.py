@@ -5,11 +5,12 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 from ..compose.compose import Composition
 from ..errors import DismechError, OutputError
+from ..frozen import frozen
 from ..output.jsonable import Json, to_json
 from ..output.manifest import Manifest, Status, utc_now
 from ..run.interrupt import StopRequest
@@ -25,7 +26,7 @@ from .phases import added
 from .sinks import Latest, Several, Telling
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Session:
     """A run about to go on.
 
@@ -52,7 +53,7 @@ class Session:
     sinks: tuple[Sink, ...] = ()
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Record:
     """A run as recorded.
 
@@ -69,7 +70,7 @@ class Record:
     outcome: Outcome | None = None
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Finished:
     """A run after all that was asked for.
 

@@ -5,10 +5,11 @@ from __future__ import annotations
 import tempfile
 import time
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 from ..errors import DismechError, OutputError
+from ..frozen import frozen
 from ..output.read import read
 from ..output.run_directory import LOG_FILE, RunLock
 from ..render.movie import Drawn, Wanted, render
@@ -24,7 +25,7 @@ from .phases import added
 from .picturing import asked_of, field_of, formats_of, settings_of
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Wishes:
     """Choices of the user over those of the scenario.
 

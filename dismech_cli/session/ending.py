@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from shlex import quote
 
+from ..frozen import frozen
 from ..run.interrupt import StopRequest
 from ..run.loop import End, Limits, Outcome
 from ..run.tolerance import RTOL
@@ -21,7 +21,7 @@ _MANY, _SOME = 8.0, 20
 _HARMLESS = ("output", "expect", "name")
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Ending:
     """The end of a run.
 

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 
 from ..errors import DismechError, ScenarioError
+from ..frozen import frozen
 from ..scenario.text.files import parse_source, read_source
 from ..words import hint
 
 _PACKAGE = Path(__file__).resolve().parents[1]
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Example:
     """A shipped scenario.
 

@@ -6,12 +6,13 @@ import difflib
 import hashlib
 import shutil
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from types import MappingProxyType
 
 from ..control.plugin import NONE, Loaded
 from ..errors import ScenarioError
+from ..frozen import frozen
 from ..output.durable import output_errors, staged, write_bytes
 from ..output.jsonable import Json
 from ..output.run_directory import INPUT_FOLDER, SCENARIO_FILE
@@ -23,7 +24,7 @@ STATE_FILE = "initial-state.npz"
 _SHOWN_LINES = 20
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Inputs:
     """What a run depends on.
 

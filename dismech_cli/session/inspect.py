@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from pathlib import Path
 from typing import Final
 
@@ -15,6 +15,7 @@ from ..compose.sizes import memory
 from ..compose.structure.kernels import alone
 from ..compose.structure.plan import Decision
 from ..control.plugin import load_plugins
+from ..frozen import frozen
 from ..kinematics.motion import held_dofs
 from ..output.frame import Topology
 from ..output.jsonable import Json, to_json
@@ -31,7 +32,7 @@ from .modes import Modes, find_modes
 _SHOWN: Final = 20  # bodies, and joints, that are listed where a person reads
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Cost:
     """Size and rough price of a run.
 
@@ -62,7 +63,7 @@ class Cost:
     disk: float
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Extent:
     """Size of a body at rest: whether it was meant in metres shows here.
 
@@ -86,7 +87,7 @@ class Extent:
         return f"{self.name}: {cells}, {x} x {y} x {z} m, {self.mass:.3g} kg"
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Finding:
     """A scenario that could run.
 

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 
 from ..compose.bodies.geometry import Geometry, Joined
 from ..compose.structure.hubs import hubs_of, members_of
+from ..frozen import frozen
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class JointLine:
     """A joint, or several that one line of the scenario or one mesh file makes between two bodies.
 

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import contextlib
-from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 
+from ..frozen import frozen
 from ..run.sink import Progress
 from .narrator import Narrator
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Logged:
     """Appends every line, with the time, to a file and passes it on; progress is passed on alone.
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from ..control.controller import Linear
 from ..control.loop import SampledLoop
+from ..frozen import frozen
 from ..run.clock import time_grid
 from ..run.simulation import Simulation
 from ..scenario.language.numerics import Numerics
@@ -27,7 +28,7 @@ _PARTS = 8
 _NEAR = 2.0
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class LoopFinding:
     """What is known of the sampled loops of one period.
 

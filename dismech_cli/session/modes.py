@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import pi, sqrt
 
 import numpy as np
 
 from ..arrays import FloatArray
+from ..frozen import frozen
 from ..kinematics.motion import held_dofs
 from ..run.simulation import Simulation
 from ..solve.linear.factors import FactorizationError
@@ -25,7 +25,7 @@ _ROUNDING = 1e-9
 _RIGID = 1e-12
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Modes:
     """Swings about the start as it is held and loaded then.
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Protocol
 
+from ..frozen import frozen
 from ..run.sink import Progress
 
 
@@ -30,7 +30,7 @@ class Narrator(Protocol):
         """How many frames of the pictures are drawn."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Silent:
     """Tells nobody."""
 

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from ..errors import ScenarioError
+from ..frozen import frozen
 from ..quantities import QuantityError, parse_quantity
 from ..run.loop import Limits
 from ..units import KINDS
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Pause:
     """When to pause, as given.
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 
 from ..compose.compose import Composition
+from ..frozen import frozen
 from ..output.manifest import Manifest, installed_versions
 from ..output.run_directory import LOG_FILE, RunLock
 from ..run.interrupt import StopRequest
@@ -20,7 +20,7 @@ from .log import Logged
 from .narrator import Narrator
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Prepared:
     """A scenario ready to run.
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Self
 
@@ -12,6 +11,7 @@ import numpy as np
 from ..arrays import FloatArray, IntArray
 from ..compose.compose import Composition
 from ..errors import ExpectationError, SolverError, UnfinishedError
+from ..frozen import frozen
 from ..model.state import State
 from ..output.frame import Frame
 from ..run.loop import Outcome
@@ -19,7 +19,7 @@ from .exit_codes import Exit
 from .verdicts import Verdict
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Series:
     """A number over time.
 
@@ -32,7 +32,7 @@ class Series:
     values: FloatArray
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Report:
     """A run, in memory.
 

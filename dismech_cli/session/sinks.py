@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from ..frozen import frozen
 from ..model.saved import Arrays, Numbers
 from ..output.frame import Frame
 from ..run.sink import Progress, Sink
@@ -56,7 +57,7 @@ class Latest:
         """Do nothing."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Telling:
     """Tells a narrator."""
 
@@ -79,7 +80,7 @@ class Telling:
         self.narrator.progress(progress)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Several:
     """Gives everything to several sinks, in order."""
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
 from pathlib import Path
 
 from ..compose.structure.kernels import Repays, alone
 from ..control.plugin import load_plugins
+from ..frozen import frozen
 from ..output import run_directory
 from ..run.interrupt import stop_on_signals
 from ..scenario.load import LoadedScenario, load
@@ -22,7 +22,7 @@ from .record import Prepared, record
 RESULTS = Path("results")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Start:
     """What to run, as given on the command line.
 

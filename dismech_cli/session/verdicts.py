@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from typing import Self
 
+from ..frozen import frozen
 from ..output.jsonable import Json, to_json
 from ..quantities import with_unit
 from ..run.loop import Outcome
@@ -14,7 +15,7 @@ from ..scenario.language.expect import Expectation, measured
 from ..units import KINDS
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Verdict:
     """One expectation, judged.
 

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import FloatArray
+from ..frozen import frozen
 from ..model.state import State
 from .differentiated import Differentiated, Passage
 from .solved import Solved, solved
@@ -63,7 +64,7 @@ def adjoint(model: Differentiated, start: State, steps: Sequence[TapedStep], end
     return gradient
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class _Debts:
     """What is owed on the way back through steps, changed in place.
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import sqrt
 
 import numpy as np
 
 from ..arrays import FloatArray
+from ..frozen import frozen
 from ..kernels.driver import Driver
 from ..kernels.linearization import Linearization, RankOne, all_symmetric
 from ..kinematics.rod_frames import FramesAt
@@ -20,7 +20,7 @@ from .pattern import SparsityPattern
 from .stage import Stage, Weights
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Linearized:
     """Residual and tangent at a trial point.
 
@@ -46,7 +46,7 @@ class Linearized:
     frames: FramesAt
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Terms:
     """Terms bound to a pattern, those with symmetric tangents apart: they fill one triangle.
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
 
 from ..arrays import BoolArray, FloatArray, IntArray
+from ..frozen import frozen
 from ..kernels.driver import Driver
 from ..kinematics.motion import Since, held_dofs, held_span, prescribe
 from ..kinematics.turning import Holonomy
@@ -30,7 +31,7 @@ from .tape import TapedStep
 _ROOM: Final = 1 << 21
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Held:
     """What is held during a step.
 
@@ -49,7 +50,7 @@ class Held:
     balance: Balance
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Passage:
     """C stages that were solved, with what their balances change by; good until the next is asked for.
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
 from typing import Any, Final, Protocol, TypeAlias
 
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
+from ..frozen import frozen
 from ..kernels.driver import Driver
 from ..kernels.linearization import Coupling
 from . import entry_loops
@@ -41,7 +41,7 @@ class Extender(Protocol):
         """Add values of the pattern to those of an extension, at its ``base_slots``."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class CompiledExtender:
     """By loops; implements :class:`Extender`.
 

@@ -10,12 +10,12 @@ positions' local error, from velocities and accelerations that it has anyway.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import ClassVar, Protocol
 
 import numpy as np
 
 from ..arrays import FloatArray
+from ..frozen import frozen
 from ..model.state import State
 from .stage import Stage, Weights
 
@@ -99,7 +99,7 @@ def _jump(trail: Sequence[State], weight: float) -> FloatArray:
     return change
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class ImplicitEuler:
     """First order, strongly damping; for quasi-static motion and first trials."""
 
@@ -134,7 +134,7 @@ class ImplicitEuler:
         )
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class ImplicitMidpoint:
     """Second order, conserves quadratic invariants; stiff axial forces ring."""
 
@@ -167,7 +167,7 @@ class ImplicitMidpoint:
         )
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Newmark:
     """Newmark's method; (1/4, 1/2) is the trapezoidal rule."""
 
@@ -200,7 +200,7 @@ class Newmark:
         return _newmark_stage(start, dt, self.beta, self.gamma, 0.0, 0.0)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class GeneralizedAlpha:
     """Second order with a chosen damping of the highest frequencies (Chung & Hulbert 1993)."""
 
@@ -231,7 +231,7 @@ class GeneralizedAlpha:
         return _newmark_stage(start, dt, beta, gamma, alpha_f, alpha_m)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class TrBdf2:
     """Second order and L-stable: a trapezoidal stage, then a BDF2 stage."""
 
@@ -280,7 +280,7 @@ class TrBdf2:
         )
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Static:
     """Equilibrium at each load level: no inertia, no velocity; t is the load parameter."""
 

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from ..arrays import FloatArray
+from ..frozen import frozen
 from .integrators import Integrator
 from .stage import Weights
 from .stage_maps import StageMaps
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Maps:
     """The affine maps of the S stages of a step of some length.
 

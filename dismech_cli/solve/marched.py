@@ -9,11 +9,12 @@ from typing import Any
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
+from ..frozen import frozen
 from ..kinematics.rod_frames import FrameState
 from ..model.term import BoundTerm
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Rule:
     """When a stage is solved.
 
@@ -30,7 +31,7 @@ class Rule:
     extent: float
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Held:
     """Where DOFs are held, and which move on paths that are not the integrator's.
 
@@ -45,7 +46,7 @@ class Held:
     led: IntArray
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Rows:
     """Where steps end: row by row, with a row for each stage after that of the start.
 
@@ -87,7 +88,7 @@ class Rows:
         return FrameState(self.tangents[row], self.directors[row], self.twists[row])
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class March:
     """Steps that were taken.
 

@@ -9,12 +9,13 @@ derivative: rounding and curvature leave about 1e-11 of it.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import Final, TypeAlias
 
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
+from ..frozen import frozen
 from ..kinematics.motion import Since, prescribe
 from ..model.alike import alike
 from ..model.configuration import Configuration
@@ -27,7 +28,7 @@ from .pattern import SparsityPattern
 _EPS = float(np.finfo(np.float64).eps)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Difference:
     """A difference quotient of fourth order.
 
@@ -68,7 +69,7 @@ class UnlikeError(Exception):
         self.index = index
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Neighbours:
     """Models of one scene at neighbouring values of a parameter.
 
@@ -101,7 +102,7 @@ class Neighbours:
         return slope
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Variation:
     """Derivative of a state to P parameters.
 

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
+from ..frozen import frozen
 from ..kinematics.rod_frames import NoFrames
 from ..model.state import State
 from .integrators import Integrator
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Response:
     """One step of an oscillator.
 

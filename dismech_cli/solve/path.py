@@ -10,12 +10,13 @@ turn a path back.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import inf, isfinite
 
 import numpy as np
 
 from ..arrays import FloatArray
+from ..frozen import frozen
 from ..kinematics.motion import Since, prescribe
 from ..model.state import State
 from .assembly import Linearized
@@ -40,7 +41,7 @@ _DIFFERENCE = 1e-6
 _NEAR, _TRIES = 1e-9, 30
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Goal:
     """Where a path ends: where a number passes a value.
 
@@ -57,7 +58,7 @@ class Goal:
         return self.measure(state) - self.value
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class PathFollower:
     """Steps of a given length along a path; an :class:`~.step.Advance`.
 

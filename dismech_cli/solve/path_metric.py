@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import pi, sqrt
 
 import numpy as np
 
 from ..arrays import FloatArray
+from ..frozen import frozen
 from ..model.model import Model
 
 # The unit of length of a path, for displacements: root mean square, as a share of the robot's size.
 _SHARE = 0.1
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Way:
     """A way along a path, or its direction.
 
@@ -27,7 +27,7 @@ class Way:
     load: float
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class PathMetric:
     """Inner product of two ways along a path.
 

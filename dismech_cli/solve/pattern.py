@@ -8,7 +8,7 @@ What comes to touch during a run joins the pattern as an extension, in the same 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Protocol
 
 import numpy as np
@@ -16,11 +16,12 @@ from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from ..arrays import BoolArray, FloatArray, IntArray, distinct
+from ..frozen import frozen
 from ..kernels.linearization import Coupling
 from ..kinematics.dofs import DofMap
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class SparsityPattern:
     """Compressed rows over the free DOFs.
 
@@ -171,7 +172,7 @@ class SparsityPattern:
         return Blocks(self.block, start, np.bincount(start[self.free], minlength=m))
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Outline:
     """Sizes of a pattern.
 
@@ -198,7 +199,7 @@ class Sized(Protocol):
         """Largest |column - row| of a stored entry."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Blocks:
     """Blocks of free DOFs.
 
@@ -221,7 +222,7 @@ class Blocks:
         return self.start[coupling.dofs[:, one_each]]
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Extension:
     """A pattern that holds another.
 

@@ -7,13 +7,14 @@ is held follows paths of time alone.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..arrays import BoolArray, FloatArray, IntArray
+from ..frozen import frozen
 from ..kinematics.motion import Since, prescribe
 from ..kinematics.rod_frames import FrameState
 from ..model.state import State
@@ -33,7 +34,7 @@ if TYPE_CHECKING:
 _LENGTHS = 64
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Steps:
     """Plain steps that were taken.
 

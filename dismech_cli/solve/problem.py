@@ -9,6 +9,7 @@ from sys import maxsize
 from typing import TYPE_CHECKING, TypeAlias
 
 from ..arrays import FloatArray, IntArray
+from ..frozen import frozen
 from ..kinematics.rod_frames import FrameState
 from .assembly import Linearized
 from .kept import Kept
@@ -44,7 +45,7 @@ def _root(slope: Callable[[float], float], at_start: float, end: float) -> float
     return part
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Tangent:
     """A factorised tangent.
 
@@ -86,7 +87,7 @@ def exact(problem: StageProblem, q: FloatArray, now: Linearized) -> Tangent:
     return Tangent(now.values, problem.factorize(now.values))
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class NewtonSettings:
     """Stopping rule.
 

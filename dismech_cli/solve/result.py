@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from ..arrays import FloatArray
+from ..frozen import frozen
 from ..kinematics.rod_frames import FrameState
 from .assembly import Linearized
 from .problem import StageProblem
 from .status import Status
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class NewtonResult:
     """Outcome of one nonlinear solve.
 

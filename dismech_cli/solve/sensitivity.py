@@ -17,12 +17,13 @@ parameters of its motion.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
+from ..frozen import frozen
 from ..model.state import State
 from .commanded import Acting, nothing_acts
 from .differentiated import Differentiated, Passage
@@ -94,7 +95,7 @@ def _balanced(model: Differentiated, state: State, d: Variation) -> FloatArray:
     return a
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class _Rows:
     """Derivatives at the start of C stages and after each of them.
 

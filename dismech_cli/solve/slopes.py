@@ -7,12 +7,12 @@ slope, held DOFs included. What kernels leave out of it where frames are carried
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from scipy.sparse import csc_matrix, csr_matrix
 
 from ..arrays import BoolArray, FloatArray
+from ..frozen import frozen
 from ..kernels.driver import Driver
 from ..kernels.linearization import Coupling, Linearization, RankOne, all_symmetric
 from ..kinematics.turning import Holonomy
@@ -63,7 +63,7 @@ class Entries:
         return out
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Slopes:
     """Slopes of r(q, v) at a trial point, all DOFs by all DOFs; good until the next are asked for.
 
@@ -97,7 +97,7 @@ class Slopes:
         return out
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class SlopeRows:
     """Slopes at C trial points; good until the next are found.
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import chain
 from typing import Final
 
 import numpy as np
 
 from ..arrays import FloatArray
+from ..frozen import frozen
 from ..model.state import State
 from .integrators import Integrator
 from .maps import Maps, maps_of
@@ -17,7 +17,7 @@ from .stage import Weights
 from .tape import TapedStep
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Solved:
     """C stages of steps of one length in a row, each with its solution.
 

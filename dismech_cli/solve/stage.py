@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
+from ..frozen import frozen
 from ..model.state import State
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Weights:
     """Slopes of the stage maps: the tangent is a M + v C + q K."""
 
@@ -19,7 +18,7 @@ class Weights:
     a: float
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Stage:
     """One nonlinear solve.
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
+from ..frozen import frozen
 from ..kinematics.rod_frames import FrameState
 from ..model.state import State
 from .integrators import Integrator
@@ -16,7 +16,7 @@ _NOTHING = np.empty(0)
 _NO_FRAMES = FrameState(_NOTHING, _NOTHING, _NOTHING)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class StageMaps:
     """The maps of all S stages of a step of one length.
 

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
 from typing import Protocol, TypeAlias
 
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
+from ..frozen import frozen
 from ..kinematics.motion import Since, held_dofs, held_span
 from ..kinematics.rod_frames import FrameState
 from ..model.model import Model
@@ -30,7 +31,7 @@ from .step_result import StepResult
 from .system import System
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class _Binding:
     """The model bound to the DOFs that are free for a while.
 

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from ..arrays import FloatArray
+from ..frozen import frozen
 from ..model.state import State
 from .status import Status
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class StepResult:
     """What a step gives back.
 

@@ -7,12 +7,12 @@ it says nothing, and the stage is gone through by what can do more.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any, Final, TypeAlias
 
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
+from ..frozen import frozen
 from ..kernels.driver import Driver
 from ..kinematics.turning import Holonomy, TurningEdges
 from ..model.model import Model
@@ -35,7 +35,7 @@ LOOPS: Final[tuple[Callable[..., Any], ...]] = (
 """What is compiled for sweeps, whatever the scene."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Sides:
     """What C stages balance.
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Final
 
+from ..frozen import frozen
 from ..model.state import State
 from .problem import NewtonSettings
 from .relax import relaxed
@@ -16,7 +17,7 @@ THROUGH_STAGES: Final[tuple[Advance, ...]] = (through_stages, relaxed)
 """Ways of steps whose stages alone say how they went; a path of equilibria is not among them."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class TapedStep:
     """An accepted step.
 

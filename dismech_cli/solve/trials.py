@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Final
 
 from ..arrays import FloatArray
+from ..frozen import frozen
 from ..kinematics.rod_frames import FrameState
 from ..model.configuration import Configuration
 from ..model.model import Model
@@ -29,7 +29,7 @@ def at(model: Model, state: State) -> Configuration:
     return Configuration(state.law_time, state.q, state.v, frames, state.inputs)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class _Trial:
     stage: Stage
     key: bytes

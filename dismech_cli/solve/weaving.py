@@ -5,8 +5,7 @@ It takes chains and trees whose terms are loops of a driver or constant within a
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
+from ..frozen import frozen
 from ..kernels.linearization import Linearization, all_symmetric
 from ..kernels.loop_text import LoopText
 from ..kernels.noted import Block, NotingDriver, NotWovenError
@@ -20,7 +19,7 @@ from .woven_source import woven_text
 _WIDEST, _MOST = 16, 8000
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Part:
     """A term of the step: a loop, or constant within a stage."""
 
@@ -28,7 +27,7 @@ class Part:
     block: Block | None
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Parts:
     """All of them, those with symmetric tangents apart."""
 
@@ -46,7 +45,7 @@ class Parts:
         return any(part.block is not None and "damping" in part.block.arguments for part in self.all)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Weaving:
     """Whether a model has a compiled step.
 

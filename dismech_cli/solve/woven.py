@@ -8,7 +8,7 @@ it would have ended.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import sqrt
 from typing import Any, Final
 
@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import FloatArray, IntArray
+from ..frozen import frozen
 from ..kernels.linearization import Linearization
 from ..kinematics.rod_frames import EdgeTables, FrameState, TrialFrames
 from ..model.configuration import Configuration
@@ -33,7 +34,7 @@ _NO_MAPS: Final = np.empty((0, 1, 7, 6))
 _NO_DOFS: Final = np.empty(0, dtype=np.int64)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Solved:
     """A stage in balance.
 

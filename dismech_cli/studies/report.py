@@ -7,7 +7,7 @@ import tempfile
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from typing import Final
 
@@ -15,6 +15,7 @@ import numpy as np
 
 from ..arrays import FloatArray
 from ..errors import DismechError, ScenarioError
+from ..frozen import frozen
 from ..output.manifest import FILE_NAME as MANIFEST
 from ..output.manifest import Manifest
 from ..output.read import Run, read
@@ -35,7 +36,7 @@ _EVENTS: Final = 50
 _TEXT: Final = 200_000  # letters of a scenario on the page
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Wanted:
     """What of a run is shown beside its numbers.
 
@@ -77,7 +78,7 @@ def report(run_dir: Path, wanted: Wanted, narrator: Narrator) -> Path:
     return file
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class _Told:
     """A run as the sections of its page need it."""
 

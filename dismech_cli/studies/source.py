@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Self
 
+from ..frozen import frozen
 from ..scenario.load import LoadedScenario, Written, read_file
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Source:
     """A scenario file as given on the command line.
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
 from ...arrays import FloatArray, IntArray, Numbers
+from ...frozen import frozen
 from ...mesh.measure import edge_lengths, triangle_areas
 from ...mesh.mesh import Mesh
 from ...mesh.topology.rods import ChainKind, chains
@@ -29,7 +29,7 @@ _TRIANGLE = np.array(
 _TRIANGLE_WEIGHTS = np.array([0.0, 0.0, 0.0, 1.0, 1.0, 1.0]) / 3.0
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Cells:
     """Points on the edges of a rod, or on the triangles of a shell.
 

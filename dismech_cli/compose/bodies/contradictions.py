@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
+from ...frozen import frozen
 from ...scenario.load import LoadedScenario
 from .geometry import Geometry
 from .named import Pair
 from .turning import Said, turning_nodes
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Loose:
     """A node within a rod that a joint releases.
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from ...arrays import BoolArray, FloatArray, IntArray
 from ...errors import ScenarioError
+from ...frozen import frozen
 from ...mesh.measure import edge_lengths, triangle_areas
 from ...scenario.language.geometry import Rod, Shell
 from ...scenario.load import LoadedScenario
@@ -23,7 +23,7 @@ from .turning import Turning, whole
 from .varying import Sampler
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class ShellWeld:
     """An edge of a rod that turns with a shell at one of its ends.
 
@@ -42,7 +42,7 @@ class ShellWeld:
     footprint: float
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Joined:
     """Two bodies that share a node, or a node within one that is released.
 
@@ -63,7 +63,7 @@ class Joined:
     gap: float
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class WeldedSides:
     """Sides of triangles across which bending passes from shell to shell.
 
@@ -76,7 +76,7 @@ class WeldedSides:
     sides: IntArray
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Geometry:
     """All bodies together.
 

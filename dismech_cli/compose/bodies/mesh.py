@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 
 import numpy as np
 
 from ...arrays import IntArray
+from ...frozen import frozen
 from ...mesh.mesh import Mesh
 from .placement import Placement
 
@@ -17,7 +18,7 @@ def _no_numbers() -> IntArray:
     return np.empty(0, dtype=np.int64)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class BodyMesh:
     """A mesh of rod edges or of triangles.
 

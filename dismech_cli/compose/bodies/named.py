@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
 from ...arrays import IntArray
+from ...frozen import frozen
 from ...mesh.measure import edge_lengths
 from ...mesh.topology.sides import half_edges
 from ...scenario.language.joint import AutoJoint, HingeJoint, RigidJoint
@@ -22,7 +22,7 @@ _COINCIDENT = 1e-6
 _NEAREST = 0.5
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Apart:
     """The bodies before they are joined: what joints name is still two nodes, not one.
 
@@ -48,7 +48,7 @@ class Apart:
         return int(self.selected[path][0])
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Pair:
     """Two nodes that become one.
 

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ...arrays import FloatArray
+from ...frozen import frozen
 from ...scenario.language.geometry import MeshFile, Rotation, SurfaceFile
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Placement:
     """Scale, turn and shift of a mesh.
 

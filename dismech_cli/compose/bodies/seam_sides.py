@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ...arrays import BoolArray, FloatArray, IntArray
+from ...frozen import frozen
 from ...mesh.measure import edge_lengths
 from ...mesh.topology.sides import half_edges, rim_sides
 from ...scenario.load import LoadedScenario
@@ -17,7 +16,7 @@ from .geometry import Geometry
 _ALONG = 1e-3
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Sheet:
     """A shell before it is joined.
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
 
 from ...arrays import IntArray
+from ...frozen import frozen
 from ...mesh.measure import edge_lengths
 from ...scenario.language.seam import Seam
 from ...scenario.load import LoadedScenario
@@ -18,7 +18,7 @@ from .seam_sides import common_sides, sheet_of, shortest_rim, tied_nodes
 from .selection import select_all
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Sewn:
     """What the seams of a scenario join.
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Protocol
 
@@ -11,6 +11,7 @@ import numpy as np
 
 from ...arrays import FloatArray, IntArray
 from ...errors import MeshError
+from ...frozen import frozen
 from ...mesh.allowed import Allowed
 from ...mesh.generate import curved as generate_curved
 from ...mesh.generate import rings as generate_rings
@@ -40,7 +41,7 @@ from .placement import placement_of
 from .varying import Sampler
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class ShellProperties:
     """An isotropic sheet.
 

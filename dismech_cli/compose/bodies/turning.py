@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
 
 from ...arrays import BoolArray, IntArray
+from ...frozen import frozen
 from ...mesh.topology.components import components
 
 RELEASED = ("bending", "twist")
 """What a joint may keep from passing, in the order of columns."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Turning:
     """How the edges of rods turn with each other where they meet.
 
@@ -55,7 +55,7 @@ def whole(edges: IntArray) -> Turning:
     return Turning(edges, {what: np.empty((0, 2), dtype=np.int64) for what in RELEASED})
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Said:
     """What joints say, by the nodes of the bodies before they are joined.
 

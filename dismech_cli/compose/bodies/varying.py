@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Final
 
 import numpy as np
 
 from ...arrays import BoolArray, FloatArray, Numbers
+from ...frozen import frozen
 from ...laws.expression import compile_expression
 from ...quantities import with_unit
 from ...scenario.checking.plausibility import STOUTEST, density_doubts, modulus_doubts
@@ -30,7 +31,7 @@ _ODD: Final[dict[str, Callable[[float, float], Iterator[str]]]] = {
 }
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Sampler:
     """Reads the values of one body.
 

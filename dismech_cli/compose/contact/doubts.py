@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 
 from ...arrays import FloatArray
 from ...contact.contact import DEEPEST, Contact
 from ...contact.nearby.neighbours import Neighbours
+from ...frozen import frozen
 from ...run.observables.snapshot import Snapshot
 from ...run.validity import Check
 from ...scenario.language.contact import BarrierLaw
@@ -21,7 +21,7 @@ from .surface_doubts import surface_doubts
 from .words import ROUNDING, nearer_than_thick, starts_within
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Depth:
     """Deepest penetration so far of each line, as a share of the thickness.
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -12,6 +11,7 @@ from ...arrays import FloatArray, IntArray
 from ...contact.contact import Contact
 from ...contact.crossing import crossings
 from ...contact.nearby.faces import Faces
+from ...frozen import frozen
 from ...kinematics.dofs import DofMap
 from ...run.observables.snapshot import Snapshot
 from ...run.validity import Check
@@ -19,7 +19,7 @@ from ..scene import Scene
 from .words import ROUNDING, nearer_than_thick, starts_through, starts_within
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Crossed:
     """How many triangles each line of two bodies passes through, of the other.
 

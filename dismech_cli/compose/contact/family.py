@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 
 from ...arrays import IntArray
 from ...contact.contact import Contact
@@ -13,6 +12,7 @@ from ...contact.obstacles.family_floor import FamilyFloor
 from ...contact.obstacles.obstacle import HalfSpace
 from ...contact.pairs.family import FamilyPairs
 from ...contact.points.softplus import Softplus
+from ...frozen import frozen
 from ...kernels.driver import Driver
 from ...scenario.language.contact import CompatLaw
 from .guards import pairings
@@ -25,7 +25,7 @@ def _implicit(name: str) -> Loads:
 _LOADS: dict[str, Callable[[str], Loads]] = {"implicit": _implicit, "lagged": Lagged}
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Family:
     """Makes what finds pairs that touch.
 

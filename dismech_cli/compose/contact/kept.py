@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ...arrays import FloatArray
 from ...contact.contact import Contact
 from ...contact.guards.guarding import Guarding
+from ...frozen import frozen
 from ...kinematics.dofs import DofMap
 from ...run.observables.snapshot import Snapshot
 from ...run.validity import Check
@@ -16,7 +15,7 @@ from ..scene import Scene
 from ..structure.structure import Structure
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Nearer:
     """How much nearer to anything than it may be each node is, as a share of that distance.
 

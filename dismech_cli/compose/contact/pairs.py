@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Container, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
+from ...frozen import frozen
 from ...scenario.language.scenario import Scenario
 from ..touching import named_pairs
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Pair:
     """Two that may touch.
 
@@ -29,7 +29,7 @@ class Pair:
     friction: float
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Tables:
     """Who may touch whom, by the places of two bodies.
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -15,6 +14,7 @@ from ...contact.obstacles.pose import Pose
 from ...contact.obstacles.rigid_surface import RigidSurface
 from ...contact.obstacles.walls import Wall
 from ...contact.pieces.inside import inside
+from ...frozen import frozen
 from ...kinematics.dofs import DofMap
 from ...mesh.topology.components import components
 from ...mesh.topology.sides import half_edges
@@ -27,7 +27,7 @@ from .words import starts_through
 _ADVICE = "what follows is not to be trusted; reduce numerics.dt, and let nothing start that way"
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Pierced:
     """How many triangles of a surface each line passes through.
 
@@ -55,7 +55,7 @@ class Pierced:
         return np.bincount(found[:, 0], minlength=len(self.lines)).astype(np.float64)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Poked:
     """How many edges of a surface pass through each triangle of shells.
 
@@ -84,7 +84,7 @@ class Poked:
         return np.bincount(found[:, 1], minlength=len(self.triangles)).astype(np.float64)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Swallowed:
     """Whether bodies are inside of a solid: a node of each part that hangs together.
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING, TypeAlias
 
 from ...control.loop import UNCONTROLLED, Controls, Loop
 from ...control.plugin import Plugins
+from ...frozen import frozen
 from ...run.observables.probes import Probe
 from ...scenario.language.probe import Probe as ProbeSpec
 from ...scenario.text.tree import KeyPath
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
 MakeProbe: TypeAlias = Callable[[ProbeSpec, KeyPath], Probe]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Control:
     """All loops of a scene.
 

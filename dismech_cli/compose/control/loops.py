@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from math import inf
 from typing import TypeAlias
 
@@ -23,6 +22,7 @@ from ...control.sensor import Reading, Sensor
 from ...control.smoothing import smoothing
 from ...control.target import Target, Untold
 from ...errors import ScenarioError
+from ...frozen import frozen
 from ...model.model import Model
 from ...run.observables.reading import ProbeReading
 from ...scenario.language import control
@@ -40,7 +40,7 @@ from .targets import kept_of, make_target
 _ROUNDING = 1e-6
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Driven:
     """What a controller drives.
 

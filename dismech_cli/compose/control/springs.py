@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import TypeAlias, assert_never
 
 import numpy as np
@@ -10,6 +10,7 @@ import numpy as np
 from ...arrays import FloatArray, IntArray
 from ...control.sensor import Reading
 from ...energies.hinge import hinge_term
+from ...frozen import frozen
 from ...model.measure import StrainReading
 from ...model.stencil import StencilEnergy
 from ...scenario.language.actuation import (
@@ -45,7 +46,7 @@ Places: TypeAlias = (
 )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Springs:
     """Places of one strain, in the order in which commands and readings count them.
 

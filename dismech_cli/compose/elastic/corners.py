@@ -6,7 +6,6 @@ At hubs the second edge is the stub, which bends nothing.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
@@ -14,6 +13,7 @@ import numpy as np
 from ...arrays import IntArray
 from ...energies.bend_planar import CORNER_PLANAR
 from ...energies.rigid_joint import COSINES, RIGID_JOINT, STIFFNESS
+from ...frozen import frozen
 from ...kinematics.rod_frames import RodFrames
 from ...kinematics.strains import joint_frames, planar_angles
 from ...model.stencil import StencilEnergy
@@ -27,7 +27,7 @@ from .joints import node_dofs, of_edges
 _NAME = "corners"
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Corners:
     """The energy of all corners, and what natural strains of their rods do to it.
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
+from ...frozen import frozen
 from ...kinematics.strains import angles_of_curvature
 from ...model.driven import Drive
 from ...scenario.language.actuation import SurfaceCurvatureActuation
@@ -58,7 +58,7 @@ class ChoosesTriangles(Protocol):
         """The direction."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Chosen:
     """Triangles of a shell and directions in them.
 

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
+from ...frozen import frozen
 from ...model.driven import DrivenEnergy
 from ...model.rate import ViscousStress
 from ...model.stencil import StencilEnergy
@@ -21,7 +20,7 @@ from .stubs import stub_springs
 from .welds import weld_energies
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Passive:
     """Elastic energies before anything drives them.
 
@@ -44,7 +43,7 @@ class Passive:
         return (*self.rods.terms, *self.shells.terms, *welds, *self.damping)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Elastic:
     """Elastic energies.
 

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
+from ...frozen import frozen
 from ..scene import Scene
 from ..structure.joints import Joints
 from .joints import natural_density
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Halves:
     """Some joints of an energy, and what natural strains of their rods do to it.
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
+from ...frozen import frozen
 from ...model.driven import Drive, DrivenEnergy
 from ...model.stencil import StencilEnergy
 from ...scenario.language.actuation import (
@@ -32,7 +33,7 @@ from .stiffening import Stiffening, refuse_shared, stiffened, surplus
 ROWS = {"stretch": 0, "curvature_1": 0, "curvature_2": 1, "twist": 2}
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class DrivenRods:
     """The elastic energies of the rods under actuation.
 

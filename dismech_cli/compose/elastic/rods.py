@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 
 import numpy as np
@@ -16,6 +16,7 @@ from ...energies.stretch_neo_hookean import (
     STRETCH_NEO_HOOKEAN_PLANAR,
     axial_neo_hookean,
 )
+from ...frozen import frozen
 from ...kernels.shape import Kernel
 from ...model.stencil import StencilEnergy
 from ..scene import Scene
@@ -40,7 +41,7 @@ def _no_places() -> IntArray:
     return np.empty((0, 12), dtype=np.int64)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class RodEnergies:
     """What the rods give to the model.
 
@@ -117,7 +118,7 @@ def rod_energies(scene: Scene, structure: Structure) -> RodEnergies:
     )
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Stretching:
     """How the edges of a scene stretch.
 

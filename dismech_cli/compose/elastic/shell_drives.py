@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import assert_never
 
+from ...frozen import frozen
 from ...model.driven import Drive, DrivenEnergy
 from ...model.stencil import StencilEnergy
 from ...scenario.language.actuation import (
@@ -24,7 +24,7 @@ from .shells import ShellEnergies
 from .stiffening import Stiffening, refuse_shared, stiffened, surplus
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class DrivenShells:
     """The elastic energies of the shells under actuation.
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
+from ...frozen import frozen
 from ...model.stencil import StencilEnergy
 from ..shells.bending import bending_of
 from ..shells.membrane import MEMBRANES
@@ -12,7 +12,7 @@ from ..structure.structure import Structure
 from .seams import seam_energies
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class ShellEnergies:
     """What the shells give to the model.
 

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
+from ...frozen import frozen
 from ...model.driven import Drive, DrivenEnergy
 from ...model.stencil import StencilEnergy
 from ...scenario.text.tree import KeyPath
@@ -15,7 +16,7 @@ from ..scene import Scene
 _RUBBER = "muA"
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Stiffening:
     """Springs under ideal feedback.
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
@@ -11,6 +10,7 @@ from numpy.typing import NDArray
 
 from ...arrays import FloatArray
 from ...errors import DismechError, OutputError, ScenarioError
+from ...frozen import frozen
 from ...geometry.rotation import orthonormal_to, rotate_about
 from ...kinematics.rod_frames import FrameState
 from ...model.saved import within
@@ -27,7 +27,7 @@ _SAME_TIME: Final = 1e-9
 Arrays = dict[str, NDArray[Any]]
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Known:
     """A state as it was kept.
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ...arrays import FloatArray, IntArray
 from ...errors import ScenarioError
+from ...frozen import frozen
 from ...geometry.rotation import orthonormal_to
 from ...kinematics.rod_frames import FrameState, RodFrames
 from ..bodies.geometry import Geometry
@@ -22,7 +23,7 @@ from .signature import signature
 _SAME_PLACE = 1e-9
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Started:
     """Where everything is at the start.
 

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from ...arrays import FloatArray
 from ...csv_columns import read_columns
 from ...errors import ScenarioError
+from ...frozen import frozen
 from ...kinematics.motion import Prescribed, Since
 from ...model.state import State
 from ...scenario.language.initial import Displaced, FromRun, PositionFile
@@ -27,7 +28,7 @@ from .mapped import Started, mapped
 _HELD = 1e-6
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Start:
     """The start of a run.
 

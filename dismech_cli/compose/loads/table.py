@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
 from enum import Enum, auto
 from typing import Any, Generic, TypeVar
 
+from ...frozen import frozen
 from ...model.term import Term
 from ...scenario.language.force import (
     Aerodynamic,
@@ -46,7 +46,7 @@ class Role(Enum):
     """Takes energy out."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Builder(Generic[_Load]):
     """How a kind of force becomes terms.
 
@@ -81,7 +81,7 @@ _TABLE: tuple[Builder[Any], ...] = (
 BUILDERS: Mapping[type[Load], Builder[Any]] = {builder.kind: builder for builder in _TABLE}
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Forces:
     """Force terms by their place in the energy account: see :class:`Role`."""
 

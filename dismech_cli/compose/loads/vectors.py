@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from ...arrays import FloatArray
 from ...forces.gravity import weight
 from ...forces.load import DeadLoad
+from ...frozen import frozen
 from ...laws.laws import Law
 from ...scenario.language.force import Force
 from ...scenario.text.tree import KeyPath
@@ -19,7 +19,7 @@ from ..scene import Scene
 from ..structure.structure import Structure
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Place:
     """Where a force stands: its index among the forces of the scenario, and a name made from it."""
 
@@ -36,7 +36,7 @@ class Place:
         return ("forces", self.index, *path)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Vector:
     """A vector of laws, whose components become a load each.
 

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import overload
 
 import numpy as np
 
 from ...arrays import IntArray
+from ...frozen import frozen
 from ..bodies.geometry import Geometry
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class NodeLabels(Sequence[str]):
     """Body and number of every node, put into words when somebody asks.
 

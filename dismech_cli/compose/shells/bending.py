@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 
 from ...arrays import FloatArray
 from ...energies.hinge import hinge_term
 from ...energies.midedge import midedge_term
 from ...energies.midedge_averaged import midedge_averaged_term
+from ...frozen import frozen
 from ...mesh.measure import edge_lengths
 from ...model.stencil import StencilEnergy
 from ...scenario.language.geometry import Shell
@@ -17,7 +17,7 @@ from .body import Ground, ShellBody
 from .hinges import hinge_stiffnesses
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class ShellBending:
     """A bending model.
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
+from ...frozen import frozen
 from ...kinematics.dofs import DofMap
 from ...kinematics.shell_frames import ShellFrames
 from ...mesh.measure import adjacent_areas, triangle_areas
@@ -16,7 +16,7 @@ from ...scenario.language.geometry import Shell
 from ..bodies.shell import ShellProperties
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class ShellBody:
     """What belongs to one shell alone.
 

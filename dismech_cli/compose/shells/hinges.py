@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
 
 from ...arrays import FloatArray
+from ...frozen import frozen
 from ...mesh.measure import edge_lengths
 from ...scenario.language.geometry import Shell
 from ...sections.shells import hinge_stiffness, weighted_hinge_stiffness
@@ -18,7 +18,7 @@ Rule: TypeAlias = Callable[[FloatArray, FloatArray, FloatArray, FloatArray], Flo
 """Stiffness [N m] from Young's modulus [Pa], thickness [m], length [m] and area [m^2], shape (H,) each."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Hinges:
     """A rule for the stiffness of hinges.
 

@@ -12,7 +12,6 @@ of them dissipate never is.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import combinations, pairwise
 from typing import Any
 
@@ -20,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import BoolArray, FloatArray, IntArray
+from ...frozen import frozen
 from ...mesh.measure import edge_lengths, triangle_areas
 from ...mesh.topology.components import components
 from ...mesh.topology.shells import ShellTopology
@@ -28,7 +28,7 @@ from .bending import bending_of
 from .hinges import hinges_of
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class SeamHinges:
     """Hinges between triangles that no shell has as neighbours.
 
@@ -154,7 +154,7 @@ def seam_hinges(geometry: Geometry, shells: Sequence[ShellTopology], welds: Sequ
     )
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class _Side:
     """A triangle at a welded edge.
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
 from ...arrays import IntArray
+from ...frozen import frozen
 from ...mesh.topology.shells import directed, shell_edges
 from ..bodies.geometry import Geometry
 from .bending import bending_of
@@ -15,7 +15,7 @@ from .body import ShellBody
 from .seams import SeamHinges, seam_hinges, shared_normals, turned_edges, welded_edges
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class ShellEdges:
     """The shells with their topology, and the edges that carry a mid-edge normal.
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from math import inf
 from typing import assert_never
 
 import numpy as np
 
 from ...arrays import IntArray
+from ...frozen import frozen
 from ...laws.laws import Law
 from ...scenario.language.motion import Clamp, Motion, Pin, Symmetry, Twist
 from ..bodies.geometry import Geometry
@@ -27,7 +28,7 @@ def _none() -> IntArray:
     return np.empty(0, dtype=np.int64)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Hold:
     """One motion, resolved; what it does not say it leaves alone.
 
@@ -85,7 +86,7 @@ def twists(hold: Hold) -> bool:
     return turned or not vanishes(hold.twist)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class _Around:
     """What is at each node, found once for all motions: there may be one for each of thousands of rods.
 

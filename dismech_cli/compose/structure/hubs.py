@@ -8,11 +8,10 @@ the direction and the roll of the stub count; a spring keeps its length.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ...arrays import IntArray
+from ...frozen import frozen
 from ..bodies.geometry import Geometry
 from .joints import Edges, Joints, number_joints
 
@@ -37,7 +36,7 @@ def hub_nodes(geometry: Geometry, hubs: IntArray) -> IntArray:
     return nodes
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Members:
     """Edges at hubs, by hub and edge.
 

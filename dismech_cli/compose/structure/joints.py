@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ...arrays import BoolArray, FloatArray, IntArray
+from ...frozen import frozen
 from ...mesh.topology.rods import chains, rod_stencils
 from ..bodies.geometry import Geometry
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Joints:
     """Pairs of edges at a node, walls of clamps included.
 
@@ -79,7 +78,7 @@ class Joints:
         )
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Edges:
     """All edges, walls included.
 

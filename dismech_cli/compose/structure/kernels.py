@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection
-from dataclasses import dataclass
 from typing import Final, TypeAlias
 
+from ...frozen import frozen
 from ...kernels.availability import NumbaFault, numba_fault
 from ...kernels.kept import missing
 from ...kernels.loop_text import LoopText
@@ -38,7 +38,7 @@ def among_many(count: int) -> float:
     return 0.0
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Chosen:
     """What runs the kernels.
 
@@ -59,7 +59,7 @@ class Chosen:
     whole: bool = False
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Wanted:
     """What a model would run, if it were compiled.
 

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ...arrays import FloatArray
+from ...frozen import frozen
 from ...kinematics.dofs import DofMap
 from ..shells.topology import ShellEdges
 from .plan import Bending, Plan
 from .skeleton import Skeleton
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Numbering:
     """DOFs and their values at rest.
 

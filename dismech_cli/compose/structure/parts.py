@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
+from ...frozen import frozen
 from ...mesh.topology.components import components
 from ...mesh.topology.sides import half_edges
 from ..bodies.geometry import Geometry
@@ -22,7 +22,7 @@ _HELD = 1e-9
 _NAMED = 3
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Parts:
     """Bodies by what hangs together in the scene as joined.
 

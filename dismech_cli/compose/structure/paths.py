@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
 from ...errors import LawError
+from ...frozen import frozen
 from ...kinematics.rigid import Rigid, Turn
 from ...laws.expression import compile_expression
 from ...laws.laws import Constant, Law
@@ -25,7 +25,7 @@ ZERO = Constant(0.0)
 _SPACE = ("x", "y", "z")
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Path:
     """How held nodes move.
 
@@ -68,7 +68,7 @@ def path_of(scene: Scene, index: int, motion: Clamp | Pin, nodes: IntArray) -> P
     return Path((x, y, z), found.places, turning)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class PlacedLaws:
     """Laws that may differ from node to node.
 

@@ -6,12 +6,12 @@ Only exact reductions are taken: each leaves the answer unchanged and has an equ
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from enum import Enum
 
 import numpy as np
 
 from ...arrays import IntArray
+from ...frozen import frozen
 from ...kinematics.strains import joint_angles
 from ...mesh.topology.rods import ChainKind, chains, rod_stencils
 from ...run.tolerance import RTOL
@@ -45,7 +45,7 @@ class Bending(Enum):
     FRAMED = "framed: material curvatures and twist, 3 DOFs per node and 1 per edge"
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Decision:
     """One decision and its reason, as ``dismech check`` prints them."""
 
@@ -53,7 +53,7 @@ class Decision:
     why: str
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Plan:
     """The shape of the model.
 

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
+from ...frozen import frozen
 from ...mesh.measure import edge_lengths
 from ..bodies.geometry import Geometry
 from .corners import sharp_joints
@@ -18,7 +17,7 @@ from .joints import Edges, Joints, make_joints, turning_at
 _STUB = 1.0
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Skeleton:
     """Nodes and edges of the model: the geometry's first, then one of each per wall and per stub.
 

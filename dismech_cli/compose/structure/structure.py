@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from ...arrays import FloatArray
+from ...frozen import frozen
 from ...kernels.driver import Driver
 from ...kinematics.dofs import DofMap
 from ...kinematics.rod_frames import Frames, NoFrames
@@ -23,7 +24,7 @@ from .plan import Bending, Plan
 from .skeleton import Skeleton, make_skeleton
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Structure:
     """The scene as the plan wants it, before its energies and loads.
 

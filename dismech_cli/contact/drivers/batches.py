@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
+from ...frozen import frozen
 from ...kernels.linearization import Pattern
 from ..gather.stencils import GeneralPlaces, Stencils, SymmetricPlaces
 from ..gather.touching import Touching
@@ -23,7 +24,7 @@ from ..points.points import Points, round_points
 from ..points.surface_points import surface_points
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Cut:
     """Lines cut into pieces; implements :class:`.loops.Near`.
 
@@ -58,7 +59,7 @@ class Cut:
         return surface_points(self.x, pieces, self.feature[some], faced)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class UpperBatches:
     """Sums to upper triangles; implements :class:`.upper.Upper`.
 

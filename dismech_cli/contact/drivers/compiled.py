@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
+from ...frozen import frozen
 from ...kernels.driver import Driver
 from ...kernels.linearization import Pattern
 from ..gather import slot_loops, sum_loops
@@ -24,7 +24,7 @@ from ..points.filled import Loop, StripsOf
 from ..points.surface_compiled import Looked, SurfaceLoops
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Compiled:
     """One after the other."""
 

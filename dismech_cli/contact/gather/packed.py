@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
+from ...frozen import frozen
 from ...kernels.driver import Driver
 from ...kernels.linearization import Pattern
 from ..points.filled import Loop
@@ -16,7 +16,7 @@ from .stencils import Stencils
 from .touching import Touching
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class PackedSums:
     """The loops; see :mod:`.packed_loops` and :mod:`.piece_sums`."""
 
@@ -53,7 +53,7 @@ class PackedSums:
         return Packed(self, kinds, slots[: found + 1].copy(), values)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class PackedKind:
     """Sums to the blocks of items of a kind; implements :class:`.upper.Stiff`.
 
@@ -83,7 +83,7 @@ class PackedKind:
     add_hessians = add_squares
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Packed:
     """Blocks that several kinds share.
 

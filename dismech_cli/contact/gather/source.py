@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Protocol
 
 from ...arrays import FloatArray, IntArray
+from ...frozen import frozen
 from ...model.term import Memory
 from .stencils import Stencils
 from .touching import Touching
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Depths:
     """How deep lines are in what they touch.
 

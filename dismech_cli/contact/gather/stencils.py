@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 
 from ...arrays import BoolArray, FloatArray, IntArray
+from ...frozen import frozen
 from ...kernels.linearization import Coupling, Pattern
 from ...kinematics.dofs import DofMap
 from ..points.points import Points
@@ -15,7 +16,7 @@ from ..points.points import Points
 _TOGETHER = 256
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Stencils:
     """Nodes of the items of one kind, and where their sums go.
 
@@ -69,7 +70,7 @@ class Stencils:
         return matrices
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class SymmetricPlaces:
     """Slots of the upper triangles of items, shape (S, n d (n d + 1) / 2)."""
 
@@ -107,7 +108,7 @@ class SymmetricPlaces:
             np.add.at(values, self.slots[item[order[starts]]], sums)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class BlockPlaces:
     """Slots of the blocks of items; see :func:`.slot_loops.find_blocks`.
 
@@ -124,7 +125,7 @@ class BlockPlaces:
     entries: IntArray
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class GeneralPlaces:
     """Slots of whole matrices of items, shape (S, (n d)^2)."""
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TypeAlias
 
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
+from ...frozen import frozen
 from ..law.between import Between
 from ..points.points import Points
 from ..points.strips import Strips
@@ -29,7 +30,7 @@ def at_points(points: Points, values: FloatArray) -> FloatArray:
     return out
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Touching:
     """What touches of one kind of items.
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import Protocol
 
 from ...arrays import FloatArray
+from ...frozen import frozen
 from .touching import Touching
 
 
@@ -27,7 +27,7 @@ class Upper(Stiff, Protocol):
         """Add w_i w_j times a symmetric block (3, 3, K) of each point to stored values."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Sums:
     """Places of items of all kinds.
 

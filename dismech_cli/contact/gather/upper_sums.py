@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ...arrays import BoolArray, FloatArray, IntArray
+from ...frozen import frozen
 from ...kernels.driver import Driver
 from ...kernels.linearization import Pattern
 from ..points.filled import Loop
@@ -16,7 +15,7 @@ from .stencils import BlockPlaces, Stencils
 from .touching import Touching
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class UpperSums:
     """The loops; see :mod:`.sum_loops` and :mod:`.slot_loops`."""
 
@@ -55,7 +54,7 @@ class UpperSums:
         return UpperLoops(self, stencils, BlockPlaces(slots, flipped, odd, entries))
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class UpperLoops:
     """Sums to the places of a kind of items; implements :class:`.upper.Upper`.
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
+from ...frozen import frozen
 from ...kinematics.dofs import DofMap
 from ..drivers.loops import Loops
 from ..nearby.candidates import among
@@ -15,7 +16,7 @@ from ..points.barrier import Closest
 from .guarded import Pairing, Traits
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Eased:
     """Pairs some of which start nearer than a core begins: theirs begins where they start.
 

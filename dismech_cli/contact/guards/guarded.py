@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
+from ...frozen import frozen
 from ...kinematics.dofs import DofMap
 from ..drivers.loops import Loops
 from ..law.between import Between
@@ -17,7 +17,7 @@ from ..points.barrier import Closest
 from ..points.closest import closest_of_segments
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Traits:
     """What pairs are made of.
 
@@ -74,7 +74,7 @@ class Pairing(Protocol):
         """What they are made of."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class RodEdges:
     """Edges of rods; implements :class:`Pairing`."""
 

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
+from ...frozen import frozen
 from ...kinematics.dofs import DofMap
 from ..drivers.loops import Loops
 from ..nearby.candidates import among, distinct
@@ -17,7 +16,7 @@ from ..points.closest import closest_of_points, closest_of_segments
 from .guarded import Traits
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class SheetEdges:
     """Edges of rods and shells with those of shells; implements :class:`.guarded.Pairing`.
 
@@ -96,7 +95,7 @@ class SheetEdges:
         return np.stack(np.divmod(keys, len(self.all.lines.nodes)), axis=1)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class SheetNodes:
     """Nodes of rods and shells with triangles of shells; implements :class:`.guarded.Pairing`.
 

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
+from ...frozen import frozen
 from ..drivers.loops import Loops
 from ..gather.source import Source
 from ..nearby.searches import Searches
@@ -17,7 +16,7 @@ from .guarded import Pairing
 from .wall_guard import WallGuard
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Shortfall:
     """How much nearer things are than they may be.
 
@@ -36,7 +35,7 @@ class Shortfall:
     least: FloatArray
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Guarding:
     """Pairs and obstacles that are kept at a distance.
 

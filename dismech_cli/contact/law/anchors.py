@@ -7,19 +7,19 @@ of what it faces. Steps add what moved in them; where nothing moves nothing chan
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Final, Self
 
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
+from ...frozen import frozen
 
 _TINY: Final = float(np.finfo(float).tiny)
 # Normals that point all ways have no common one: below this share of their sum.
 _COMMON: Final = 0.5
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Anchors:
     """Ways from anchors of some pairs.
 
@@ -56,7 +56,7 @@ class Anchors:
         return out, known
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Moved:
     """Points of contact at the end of a step.
 

@@ -6,13 +6,14 @@ so that a resumed run takes the same decisions.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import inf, log, log1p
 from typing import ClassVar, Final, Protocol
 
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
+from ...frozen import frozen
 
 # A step deeper than the tolerance is taken again, so often at most, with a factor raised by a power of the
 # depth: that which crossing lines need or which the last time showed, and a little more, within bounds.
@@ -26,7 +27,7 @@ _DEEPER: Final = 1.05
 _IMPACT: Final = 1.25
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Hardness:
     """What a step depends on.
 
@@ -67,7 +68,7 @@ class Rule(Protocol):
         """
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Given:
     """The stiffness of the user, whatever the depth.
 
@@ -86,7 +87,7 @@ class Given:
         return now
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Tolerant:
     """Raised where an impact needs it or a step came too deep, lowered when all is calm.
 

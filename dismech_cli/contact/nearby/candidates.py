@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from itertools import combinations_with_replacement
 
 import numpy as np
 
 from ...arrays import BoolArray, FloatArray, IntArray
+from ...frozen import frozen
 
 # Lines within a class differ in half length and reach by at most this factor: one tree each.
 _CLASS = 4.0
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Boxes:
     """Boxes along the axes, and how much larger they are meant to be.
 

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
+from ...frozen import frozen
 from ...kinematics.dofs import DofMap
 from ..law.between import Between
 from ..pieces.facing_triangle import features
@@ -16,7 +15,7 @@ from ..pieces.surface import Surface
 from .candidates import Boxes, among, near_boxes
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Faces:
     """Who may touch shells.
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from ...arrays import IntArray
+from ...frozen import frozen
 from ...kernels.driver import Driver
 from ..points.filled import Loop
 from . import grid_loops
@@ -19,7 +19,7 @@ _CELLS: Final = 8
 _PAIRS: Final = 8
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Grid:
     """A grid whose cells are as large as boxes mostly are; see :mod:`.grid_loops`."""
 

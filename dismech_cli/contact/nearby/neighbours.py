@@ -7,11 +7,10 @@ count twice: along a straight body all but the nearest edge cancel, and no edge 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
+from ...frozen import frozen
 from ...kinematics.dofs import DofMap
 from ..law.between import Between
 from ..pieces.cores import beside
@@ -19,7 +18,7 @@ from ..pieces.lines import Lines
 from .candidates import Boxes, among, near_among
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Neighbours:
     """Lines that may touch each other.
 

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Protocol
 
 import numpy as np
 
 from ...arrays import FloatArray
+from ...frozen import frozen
 from ..pieces.cores import Core, whole
 from ..points.barrier import Closest
 from ..points.closest import closest_to_rigid
@@ -42,7 +43,7 @@ class Shape(Protocol):
         """
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class HalfSpace:
     """All below a plane.
 
@@ -81,7 +82,7 @@ class HalfSpace:
         return found.some(np.arange(2 * start.shape[1]))
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Rounded:
     """All within a radius of a core.
 
@@ -113,7 +114,7 @@ class Rounded:
         return closest_to_rigid(self.core.pieces(start, slope), ends, start.shape[1])
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Obstacle:
     """A rigid body that moves as it is told.
 

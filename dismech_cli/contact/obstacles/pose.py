@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Final
 
 import numpy as np
 
 from ...arrays import FloatArray
+from ...frozen import frozen
 from ...laws.laws import Law
 
 # Half of the difference quotient of a velocity, as a share of the larger of the time and a second: the
@@ -22,7 +23,7 @@ def rotation(axis: FloatArray, angle: float) -> FloatArray:
     return matrix
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Frame:
     """The frame of an obstacle at a time: x = origin + turn y of a point y of its own.
 
@@ -50,7 +51,7 @@ class Frame:
         return x
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Pose:
     """A rigid motion: a turn about an axis through a point, and a displacement.
 

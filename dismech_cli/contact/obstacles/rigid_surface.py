@@ -7,12 +7,13 @@ nothing of that gives way, so that a line couples its own two nodes only.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
+from ...frozen import frozen
 from ..pieces.cores import beside, facing_node
 from ..pieces.facing_triangle import facing
 from ..pieces.pieces import Pieces
@@ -32,7 +33,7 @@ _LINES: Final = 500
 _TOGETHER: Final = 20_000
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Group:
     """Triangles of similar size.
 
@@ -47,7 +48,7 @@ class Group:
     size: float
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class RigidSurface:
     """All within half of a thickness of triangles; implements :class:`.obstacle.Shape`.
 

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import partial
 
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
+from ...frozen import frozen
 from ...kinematics.dofs import DofMap
 from ..gather.source import Depths
 from ..gather.stencils import Stencils
@@ -23,7 +24,7 @@ from .obstacle import Obstacle
 _NEAREST = 0.5
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Wall:
     """An obstacle and the lines that may touch it; see :mod:`.near_wall`.
 

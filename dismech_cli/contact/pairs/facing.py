@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
+from ...frozen import frozen
 from ..drivers.loops import Near
 from ..nearby.faces import Faces
 from ..pieces.surface import Faced, Junctions, Shared
@@ -17,7 +18,7 @@ from ..points.strips import Strips
 _DIGITS = 6
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Facing:
     """Lines and the triangles that they may face, with the junctions of these.
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from functools import partial
 from typing import Final
 
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
+from ...frozen import frozen
 from ...model.term import Memory
 from ..gather.source import Depths
 from ..gather.stencils import Stencils
@@ -28,7 +28,7 @@ PAIRS: Final = "contact.pairs"
 _NEAREST = 0.5
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Rows:
     """Items of some pairs: either line against the other, and against vertices within that.
 
@@ -60,7 +60,7 @@ class Rows:
         return cls(directed, segments, corners, meeting, until)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Active:
     """Rows of a kind that are looked at.
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
+from ...frozen import frozen
 from ..drivers.loops import Loops, Near
 from ..nearby.faces import Faces
 
@@ -21,7 +21,7 @@ _AHEAD: Final = 4.0
 _HALF: Final = 0.5
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Candidates:
     """Pairs that may be near.
 
@@ -46,7 +46,7 @@ class Candidates:
         return Candidates(self.keys[kept], self.nodes[kept], self.reach[kept])
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Seen:
     """Pairs that are near at some places of the nodes.
 

@@ -7,12 +7,13 @@ piece.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Protocol
 
 import numpy as np
 
 from ...arrays import FloatArray
+from ...frozen import frozen
 from ..law.quadrature import passing
 from .pieces import Pieces
 
@@ -47,7 +48,7 @@ def whole(start: FloatArray, slope: FloatArray, e: FloatArray, identity: float, 
     )
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class PointCore:
     """A point.
 
@@ -62,7 +63,7 @@ class PointCore:
         return whole(start - self.centre[:, None], slope, np.zeros(3), 1.0, 0.0)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class LineCore:
     """A line without ends.
 
@@ -80,7 +81,7 @@ class LineCore:
         return whole(across @ (start - self.point[:, None]), across @ slope, self.axis, 1.0, -1.0)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class SegmentCore:
     """A segment.
 
@@ -150,7 +151,7 @@ def facing_node(start: FloatArray, slope: FloatArray, vertex: FloatArray) -> Pie
     return replace(pieces, along=along, spread=np.zeros((1, 3, count)))
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class BoxCore:
     """A box about the origin.
 

@@ -8,19 +8,19 @@ linear in s: nothing can fail near a cut, where a wrong feature costs no more th
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
+from ...frozen import frozen
 from .pieces import Pieces
 
 # Side i runs from corner i to this one.
 _NEXT = np.array([1, 2, 0])
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class _Pairs:
     """Lines and triangles, one of each in a pair.
 
@@ -54,7 +54,7 @@ class _Pairs:
         return cls(offsets, slope, sides, normal, inward, along, height)
 
     def some(self, which: IntArray) -> _Pairs:
-        return _Pairs(*(getattr(self, name)[..., which] for name in self.__slots__))
+        return _Pairs(*(getattr(self, name)[..., which] for name in self.__match_args__))
 
     def cuts(self) -> FloatArray:
         """Where lines pass the planes, in order, from 0 to 1, shape (11, K)."""

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
+from ...frozen import frozen
 from ..law.quadrature import GAUSS, within
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Pieces:
     """Pieces [low, high] of lines x(s), s from 0 to 1, on each of which one feature is nearest.
 
@@ -42,12 +43,12 @@ class Pieces:
     @classmethod
     def joined(cls, parts: list[Pieces]) -> Pieces:
         """All pieces of a list."""
-        names = cls.__slots__
+        names = cls.__match_args__
         return cls(*(np.concatenate([getattr(part, name) for part in parts], axis=-1) for name in names))
 
     def some(self, kept: FloatArray | IntArray) -> Pieces:
         """Those of a mask or of indices."""
-        return Pieces(*(getattr(self, name)[..., kept] for name in self.__slots__))
+        return Pieces(*(getattr(self, name)[..., kept] for name in self.__match_args__))
 
     def fixed(self) -> Pieces:
         """The same where what is faced follows no nodes."""
@@ -61,7 +62,9 @@ class Pieces:
         low, high = within(a, b, c, self.low, self.high)
         kept = np.flatnonzero(high > low)
         part = self.some(kept)
-        return Pieces(part.item, low[kept], high[kept], *(getattr(part, name) for name in self.__slots__[3:]))
+        return Pieces(
+            part.item, low[kept], high[kept], *(getattr(part, name) for name in self.__match_args__[3:])
+        )
 
     def nearest(self, count: int) -> FloatArray:
         """Least distance of each of ``count`` items [m], shape (count,); infinite without pieces."""
@@ -76,7 +79,7 @@ class Pieces:
         return out
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Spots:
     """Gauss points on pieces.
 

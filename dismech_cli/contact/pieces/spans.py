@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from ...arrays import BoolArray, FloatArray, IntArray
+from ...frozen import frozen
 from .pieces import Pieces
 
 SLIVER: Final = 1e-13
 """What is shorter, as a share of a line, is rounding of the place where a line passes a plane."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Spans:
     """Parts [low, high] of lines, from 0 to 1.
 
@@ -39,7 +39,7 @@ class Spans:
     @classmethod
     def joined(cls, parts: list[Spans]) -> Spans:
         """All of a list."""
-        return cls(*(np.concatenate([getattr(part, name) for part in parts]) for name in cls.__slots__))
+        return cls(*(np.concatenate([getattr(part, name) for part in parts]) for name in cls.__match_args__))
 
     def net(self) -> Spans:
         """Each part of a group once, with the sum of the times that it counts, where that is not nothing."""

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
+from ...frozen import frozen
 from ..law.levels import from_here_on, of_next, shared
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Surface:
     """Triangles with a thickness.
 
@@ -27,7 +26,7 @@ class Surface:
     bodies: IntArray
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Junctions:
     """Sides and corners that two or more of the triangles share that one line faces.
 
@@ -101,7 +100,7 @@ class Junctions:
         return -over.astype(np.float64), left.astype(np.float64)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Shared:
     """What some pairs of lines and triangles share.
 
@@ -131,7 +130,7 @@ class Shared:
         )
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Faced:
     """Lines and triangles within reach of each other.
 

@@ -7,12 +7,13 @@ continuous.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from ...arrays import BoolArray, FloatArray, IntArray
+from ...frozen import frozen
 from ...geometry.kernel import kernel
 from .points import Points
 
@@ -44,7 +45,7 @@ def barrier(gap: Any, reach: Any, stiffness: Any) -> Any:
     )
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Stop:
     """What distance is kept, as shares of that at which things touch.
 
@@ -62,7 +63,7 @@ class Stop:
         return self.least + _ROOM * (self.begin - self.least)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Closest:
     """Closest points of pairs, as in :mod:`.points`: the gap vector is a sum over n nodes.
 
@@ -94,7 +95,7 @@ class Closest:
 
     def some(self, kept: IntArray | BoolArray) -> Closest:
         """Those of a mask or of indices."""
-        return Closest(*(getattr(self, name)[..., kept] for name in self.__slots__))
+        return Closest(*(getattr(self, name)[..., kept] for name in self.__match_args__))
 
 
 def barrier_points(at: Closest, stop: FloatArray, reach: FloatArray, stiffness: FloatArray) -> Points:

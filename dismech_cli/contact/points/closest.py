@@ -49,7 +49,7 @@ def closest_of_segments(ends: FloatArray) -> Closest:
     ]
     which = np.argmin([one.distance for one in at_ends], axis=0)
     number = np.where(within, 4, which)
-    names = Closest.__slots__[1:]
+    names = Closest.__match_args__[1:]
     chosen = [np.choose(number, [getattr(part, name) for part in (*at_ends, inner)]) for name in names]
     return Closest(np.arange(count), *chosen)
 
@@ -98,7 +98,7 @@ def closest_to_rigid(whole: Pieces, ends: tuple[Pieces, Pieces], count: int) -> 
     first, last = (_nearest(one, count) for one in ends)
     found = [_at_end(first, 0), _at_end(last, 1), _along(whole, count)]
     return Closest(
-        *(np.concatenate([getattr(one, name) for one in found], axis=-1) for name in Closest.__slots__)
+        *(np.concatenate([getattr(one, name) for one in found], axis=-1) for name in Closest.__match_args__)
     )
 
 

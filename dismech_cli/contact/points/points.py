@@ -9,17 +9,16 @@ beside an edge along e, and e e^T above a face of normal e.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
+from ...frozen import frozen
 from ..law.quadrature import density, second_derivative, within
 from ..law.rubbing import friction_by_position, friction_by_velocity, friction_force, slip
 from ..pieces.pieces import Pieces, spots
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Points:
     """Points of contact on the items of one kind, n nodes each.
 

@@ -6,12 +6,12 @@ L = log(1 + exp(-K g)) / K: deep inside it is k g^2, and beyond the width it is 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
+from ...frozen import frozen
 from ...geometry.kernel import kernel
 from .barrier import Closest, radial_points
 from .points import Points
@@ -39,7 +39,7 @@ def softplus(gap: Any, sharpness: Any, stiffness: Any) -> Any:
     )
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Softplus:
     """The law of a scene.
 

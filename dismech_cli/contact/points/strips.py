@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Protocol
 
 from ...arrays import FloatArray, IntArray
+from ...frozen import frozen
 from .points import Points
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Table:
     """Pieces of lines within reach of what they face, as compiled loops have them.
 

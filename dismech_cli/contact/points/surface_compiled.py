@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
+from ...frozen import frozen
 from ...kernels.driver import Driver
 from ..pieces import junction_loops, line_loops, point_loops
 from ..pieces.face_loops import MOST_PIECES
@@ -85,7 +86,7 @@ class SurfaceLoops:
         self._group, self._span = np.empty(2 * size, dtype=np.int64), np.empty((2 * size, 3))
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Looked:
     """Lines and triangles that may be near; implements :class:`.loops.Near`.
 

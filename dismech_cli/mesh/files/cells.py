@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
 from ...errors import MeshError
+from ...frozen import frozen
 from ..allowed import Allowed
 from ..limits import MAX_COUNT, check_count
 from ..mesh import Mesh
@@ -21,7 +22,7 @@ def _none() -> IntArray:
     return np.empty(0, dtype=np.int64)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Cells:
     """Polygons, or polylines, one after another.
 

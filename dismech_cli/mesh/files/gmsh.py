@@ -7,7 +7,6 @@ import io
 import re
 import tempfile
 import warnings
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +15,7 @@ import numpy as np
 from ...arrays import IntArray
 from ...errors import MeshError
 from ...file_text import decode
+from ...frozen import frozen
 from ..allowed import PLAIN, Allowed
 from ..mesh import Mesh
 from ..topology.sides import half_edges
@@ -78,7 +78,7 @@ def _read(data: bytes, where: str) -> Any:
         raise MeshError(f"{where}: meshio cannot read it ({type(error).__name__}: {error})") from error
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class _Table:
     """Elements of one dimension: node indices, shape (rows, 2 or 3), and the groups of each row."""
 

@@ -9,11 +9,11 @@ sections are read here, and meshio is handed the nodes and elements alone.
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 
 import numpy as np
 
 from ...errors import MeshError
+from ...frozen import frozen
 from . import gmsh_22, gmsh_41
 from .gmsh_elements import known_nodes
 from .gmsh_section import Section
@@ -24,7 +24,7 @@ _HEADER = re.compile(rb"\$([A-Za-z]{1,40})[ \t]*\r?\n")
 _NAME = re.compile(rb'\s*(\d{1,9})\s+(\d{1,9})\s+"([^"\n]*)"\s*')
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Guarded:
     """A checked gmsh file.
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +9,7 @@ from numpy.typing import NDArray
 
 from ...arrays import FloatArray, IntArray
 from ...errors import MeshError
+from ...frozen import frozen
 from ..allowed import PLAIN, Allowed
 from ..limits import check_count
 from ..mesh import Mesh
@@ -98,7 +98,7 @@ def _segments(ends: FloatArray, lines: IntArray | None, where: str) -> Cells:
     return Cells(nodes=numbers.reshape(-1), ends=2 * np.arange(1, len(ends) + 1), lines=lines)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class _Head:
     """What a file announces: byte order (empty for text), elements, and the size of the head."""
 

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import IntArray
 from ...errors import MeshError
+from ...frozen import frozen
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Property:
     """A number of an element, or a list of numbers if ``length`` is the type of its count."""
 
@@ -20,7 +21,7 @@ class Property:
     length: str | None
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Element:
     """A kind of rows: how many, and what is in each."""
 
@@ -29,7 +30,7 @@ class Element:
     properties: list[Property]
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Table:
     """The rows of an element.
 

@@ -7,7 +7,6 @@ import binascii
 import lzma
 import zlib
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 from xml.etree import ElementTree as ET
 
@@ -16,6 +15,7 @@ from numpy.typing import NDArray
 
 from ...arrays import IntArray
 from ...errors import MeshError
+from ...frozen import frozen
 
 MAX_ARRAY_BYTES = 1 << 27
 """Largest array once it is unpacked [bytes]: a small file may announce very much."""
@@ -39,7 +39,7 @@ _UNPACK: dict[str, Callable[[bytes, int], bytes]] = {
 }
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class ArrayReader:
     """Reads the data arrays of one file.
 
@@ -154,7 +154,7 @@ class ArrayReader:
         return size
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class _Raw:
     """Bytes as they are."""
 
@@ -173,7 +173,7 @@ class _Raw:
         return self.body(start, count)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class _Base64:
     """Bytes in base64."""
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from ...arrays import BoolArray, FloatArray, IntArray
 from ...errors import MeshError
+from ...frozen import frozen
 from ..allowed import Allowed
 from ..limits import check_count
 from ..mesh import Mesh
@@ -21,7 +21,7 @@ _FACES = (TRIANGLE, POLYGON, PIXEL, QUAD)
 _SOLIDS = {10: "tetrahedron", 11: "voxel", 12: "hexahedron", 13: "wedge", 14: "pyramid", 42: "polyhedron"}
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class VtkMesh:
     """A mesh as VTK has it.
 

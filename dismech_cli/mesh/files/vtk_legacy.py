@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 from urllib.parse import unquote
@@ -13,6 +12,7 @@ from numpy.typing import NDArray
 
 from ...arrays import FloatArray, IntArray
 from ...errors import MeshError
+from ...frozen import frozen
 from ..allowed import PLAIN, Allowed
 from ..limits import check_count
 from ..mesh import Mesh
@@ -57,7 +57,7 @@ def parse_vtk_legacy(data: bytes, where: str, allowed: Allowed = PLAIN) -> Mesh:
     return mesh_of_vtk(reader.mesh(), where, allowed)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class _Cells:
     """Cells of one kind, 0 if each has its own: nodes of all, and where each ends among them."""
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from enum import Enum
 
 import numpy as np
 
 from ...arrays import IntArray
 from ...errors import MeshError
+from ...frozen import frozen
 from .components import components
 
 MAX_STENCILS = 20_000_000
@@ -92,7 +92,7 @@ class ChainKind(Enum):
     NETWORK = "network"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Chain:
     """One connected piece of rod.
 
@@ -150,7 +150,7 @@ def _listed_in_order(own: IntArray, members: IntArray) -> Chain:
     return Chain(kind=ChainKind.CLOSED, nodes=np.roll(own[:, 0], lowest), edges=np.roll(members, lowest))
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class _Meetings:
     """Which edges meet at each node: at node i ``incident[start[i]:start[i + 1]]``.
 

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from ...arrays import BoolArray, IntArray
+from ...frozen import frozen
 from .components import components
 from .sides import half_edges, rim_sides, row_keys
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class ShellTopology:
     """Edges and hinges of a triangulated surface; B shell edges, H hinges.
 

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ...frozen import frozen
+
 # Frames smaller than this share a chunk: a chunk per two-node frame would be mostly bookkeeping.
 _SMALLEST_CHUNK = 4096
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Column:
     """A growing dataset.
 

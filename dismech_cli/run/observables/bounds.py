@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
+from ...frozen import frozen
 from .snapshot import Snapshot
 
 # What is nearer to its limit than this is measured: far more than rounding, of cosines and of shares.
 _SLACK: Final = 1e-9
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class SlightTurns:
     """Tells whether all joints of rods turn by less than angles.
 
@@ -41,7 +41,7 @@ class SlightTurns:
         return bool(((u * w).sum(axis=0) > self.cosines * sizes).all())
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class SlightStrain:
     """Tells whether all edges are strained by less than a share, as :class:`.limits.RodStrain` has it.
 

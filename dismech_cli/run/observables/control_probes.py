@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
 from ...control.sensor import Reading
+from ...frozen import frozen
 from ...model.state import State
 from .snapshot import Snapshot
 
@@ -27,7 +27,7 @@ SIZE: Mapping[str, Callable[[FloatArray], float]] = {
 """One size from those of all places."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class AtPlaces:
     """Values at some places of a body, as one number.
 
@@ -46,7 +46,7 @@ class AtPlaces:
         return self.over(self.values(s.state))
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class ShapeDistance:
     """Root mean square of the distances of nodes from places.
 

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Protocol
 
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
+from ...frozen import frozen
 from ...kinematics.strains import corner_turns, joint_frames, planar_turns
 from .snapshot import Snapshot
 
@@ -29,7 +30,7 @@ class CornerStrains(Protocol):
         """Magnitude of the bending moment, the larger one of both edges [N m], shape (K,)."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class NoCorners:
     """Where rods meet straight."""
 
@@ -48,7 +49,7 @@ class NoCorners:
         return np.empty(0)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class FramedCorners:
     """In space.
 
@@ -102,7 +103,7 @@ class FramedCorners:
         return corner_turns(frames, self.cosines)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class PlanarCorners:
     """In a plane.
 

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
+from ...frozen import frozen
 from ...mesh.measure import area_vectors, edge_lengths, triangle_areas
 from .corners import CornerStrains
 from .snapshot import Snapshot
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class MembraneStrain:
     """Largest change of length of each triangle in any direction, of its rest length.
 
@@ -37,7 +36,7 @@ class MembraneStrain:
         return np.asarray(np.maximum(longer - 1.0, 1.0 - shorter))
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class LostArea:
     """Part of its rest area that each triangle has lost.
 
@@ -54,7 +53,7 @@ class LostArea:
         return np.asarray(1.0 - triangle_areas(s.positions, self.triangles) / self.rest)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Fold:
     """Angle by which neighbouring triangles are folded more than at rest [rad].
 
@@ -79,7 +78,7 @@ def folds(positions: FloatArray, triangles: IntArray, pairs: IntArray) -> FloatA
     return _between(normal[pairs[:, 0]], normal[pairs[:, 1]])
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class RodStrain:
     """Change of length of each edge from its natural length, of the longer of that and the rest length.
 
@@ -104,7 +103,7 @@ class RodStrain:
         return np.asarray(np.abs(change) / (self.rest * np.maximum(1.0 + natural, 1.0)))
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class RodTurn:
     """Angle by which each joint of rods turns more than at rest [rad].
 
@@ -121,7 +120,7 @@ class RodTurn:
         return turns(s.positions, self.triples) - self.rest
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class RodBend:
     """Curvature of each joint of rods beyond that at rest, times the radius.
 
@@ -144,7 +143,7 @@ class RodBend:
         return np.asarray(2.0 * np.arctan2(value + self.slenderness * self.rest, 2.0 * self.slenderness))
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class CornerTurn:
     """Angle by which the edges at each corner, or at each edge of a hub, turn more than at rest [rad].
 
@@ -161,7 +160,7 @@ class CornerTurn:
         return np.asarray(2.0 * np.arctan(0.5 * self.voronoi * self.corners.curvature(s)))
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class CornerBend:
     """Curvature by which each corner has bent from rest, times the radius.
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
+from ...frozen import frozen
 from ...model.touch import Touch
 from .snapshot import Snapshot
 
@@ -36,7 +36,7 @@ def _component(vector: FloatArray, axis: int | None) -> float:
     return float(np.linalg.norm(vector)) if axis is None else float(vector[axis])
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Position:
     """Mean position of nodes, less a reference: a displacement if that is the rest position.
 
@@ -56,7 +56,7 @@ class Position:
         return _component(_mean(s.positions, self.nodes) - self.reference, self.axis)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Velocity:
     """Mean velocity of nodes."""
 
@@ -69,7 +69,7 @@ class Velocity:
         return _component(_mean(s.velocities, self.nodes), self.axis)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Distance:
     """Distance between the means of two sets of nodes."""
 
@@ -82,7 +82,7 @@ class Distance:
         return _component(_mean(s.positions, self.first) - _mean(s.positions, self.second), None)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Energy:
     """An entry of the energy account."""
 
@@ -94,7 +94,7 @@ class Energy:
         return s.energies[self.name]
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Reaction:
     """Sum of the forces that hold nodes, walls of their clamps included."""
 
@@ -107,7 +107,7 @@ class Reaction:
         return _component(s.forces[self.nodes].sum(axis=0), self.axis)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class TwistAngle:
     """Mean angle of edges, from rest."""
 
@@ -119,7 +119,7 @@ class TwistAngle:
         return float(s.state.q[self.dofs].mean())
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Turn:
     """Angle between an edge and its direction at rest; the mean of several edges.
 
@@ -139,7 +139,7 @@ class Turn:
         return float(np.arctan2(across, np.einsum("ij,ij->i", self.rest, e)).mean())
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Bend:
     """Mean discrete curvature of a line through nodes, 2 tan(turn / 2), about a direction.
 
@@ -160,7 +160,7 @@ class Bend:
         return float((2.0 * np.cross(e[:-1], e[1:]) @ self.about / (size[:-1] * size[1:] + along)).mean())
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class LoadFactor:
     """The load factor of a static run."""
 
@@ -171,7 +171,7 @@ class LoadFactor:
         return s.state.law_time
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class TouchForce:
     """Force of one body on another.
 
@@ -194,7 +194,7 @@ class TouchForce:
         return _component(self.sign * sum((part(touch)[k] for part in self.parts), np.zeros(3)), self.axis)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class TouchNumber:
     """A number of a pair that touches.
 
@@ -214,7 +214,7 @@ class TouchNumber:
         return float(self.read(touch)[k])
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class NegativeEigenvalues:
     """Negative eigenvalues of the stiffness: 0 for a stable equilibrium, NaN where it is singular."""
 

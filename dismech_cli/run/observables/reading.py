@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any, ClassVar, NoReturn
 
 import numpy as np
 
 from ...arrays import FloatArray
+from ...frozen import frozen
 from ...model.model import Model
 from ...model.state import State
 from .probes import Probe
 from .snapshot import Snapshot
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class ProbeReading:
     """A probe that a state alone tells.
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
+from ...frozen import frozen
 from ...kinematics.strains import curvature_binormal, material_curvatures
 from ...mesh.measure import edge_lengths
 from ...output.frame import FieldSpec
@@ -44,7 +44,7 @@ class Field(Protocol):
         """Values at every node or cell."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class VelocityField:
     """Nodal velocity."""
 
@@ -56,7 +56,7 @@ class VelocityField:
         return s.velocities[: self.visible]
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class DisplacementField:
     """Displacement from the rest positions (N, 3)."""
 
@@ -68,7 +68,7 @@ class DisplacementField:
         return s.positions[: len(self.rest)] - self.rest
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class CurvatureField:
     """Curvature |kappa b| / l_v of the centreline; zero at free ends, the largest at junctions.
 
@@ -88,7 +88,7 @@ class CurvatureField:
         return _largest_at(nodes, np.concatenate((density, self.corners.curvature(s))), self.visible)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class MomentField:
     """Elastic bending moment; framed rods: (EI1 (k1 - k1_0), EI2 (k2 - k2_0)) / l_v."""
 
@@ -114,7 +114,7 @@ class Curvatures(Protocol):
         """Values (1 or 2, J) [N m^2]."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class NoCurvatures:
     """Where no joint bends."""
 
@@ -123,7 +123,7 @@ class NoCurvatures:
         return np.empty((1, 0))
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class BinormalCurvatures:
     """For straight or planar rods: EI (|kappa b| - kappa_0); an isotropic rod has no kappa_0.
 
@@ -148,7 +148,7 @@ class BinormalCurvatures:
         return moments[None]
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class MaterialCurvatures:
     """For framed rods: both material directions.
 
@@ -184,7 +184,7 @@ class MaterialCurvatures:
         return self.stiffness * (kappa - s.natural(self.energy)[:2])
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class TwistField:
     """Twist per length of framed rods."""
 
@@ -206,7 +206,7 @@ class TwistField:
         return (out / np.maximum(count, 1))[: self.visible]
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class AxialStrainField:
     """Axial strain of edges from their rest lengths."""
 
@@ -219,7 +219,7 @@ class AxialStrainField:
         return edge_lengths(s.positions, self.edges) / self.rest - 1.0
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class AxialForceField:
     """Tension of the edges: EA times the elastic part of the axial strain, or that of rubber.
 
@@ -243,7 +243,7 @@ class AxialForceField:
         return force
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class DirectorField:
     """First material director of framed rods.
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
+from ...frozen import frozen
 from ...mesh.measure import triangle_areas
 from ...output.frame import FieldSpec
 from .rod_fields import Field
@@ -21,7 +21,7 @@ BENDING_ENERGY_DENSITY = FieldSpec(
 )
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class AreaStrainField:
     """A / A0 - 1 of each triangle."""
 
@@ -34,7 +34,7 @@ class AreaStrainField:
         return triangle_areas(s.positions, self.triangles) / self.rest - 1.0
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class BendingEnergyField:
     """Bending energy of each triangle over its rest area; a hinge gives half to each side.
 
@@ -51,7 +51,7 @@ class BendingEnergyField:
         return np.asarray(sum(shares @ s.stencil_energies(name) for name, shares in self.shares))
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class AmongCells:
     """A field of rods or shells in a scene with both: zero on the cells of the other kind.
 

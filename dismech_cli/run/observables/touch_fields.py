@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
+from ...frozen import frozen
 from ...output.frame import FieldSpec
 from .snapshot import Snapshot
 
@@ -25,7 +24,7 @@ CONTACT_PRESSURE = FieldSpec(
 )
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class ContactForceField:
     """What presses on each node and rubs along it, summed up as vectors."""
 
@@ -40,7 +39,7 @@ class ContactForceField:
         return out
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class LineLoadField:
     """Normal force per length of the edges of rods: means of that at their ends.
 
@@ -62,7 +61,7 @@ class LineLoadField:
         return means
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class PressureField:
     """Normal force per area at the nodes of shells, whatever its directions.
 

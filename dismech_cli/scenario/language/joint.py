@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Annotated, Any, Literal, TypeAlias
 
 from annotated_types import Len
@@ -10,6 +9,7 @@ from pydantic import Field, GetCoreSchemaHandler, GetJsonSchemaHandler, Strict, 
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema, core_schema
 
+from ...frozen import frozen
 from ..values.quantity import Name, PositiveLength
 from ..values.selection import JoinedNode, JoinedPair
 from ..values.spec import Spec, exactly_one, exclusive, problem
@@ -81,7 +81,7 @@ class AutoJoint(Spec):
 Joint: TypeAlias = Annotated[RigidJoint | HingeJoint | AutoJoint | Seam, Field(discriminator="type")]
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class _AutoToo:
     """Takes the word ``auto`` for a list of one joint, and tells editors so."""
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Final
 
+from ...frozen import frozen
 from ...units import KINDS, Dimension
 
 _LARGEST: Final = 1e300
@@ -12,7 +12,7 @@ _MAX_EXPONENT: Final = 9
 _WHOLE: Final = 2**53
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Amount:
     """A number in SI units.
 

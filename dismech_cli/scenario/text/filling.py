@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Final, TypeAlias
 
+from ...frozen import frozen
 from .amount import Amount
 from .formula import FormulaError, evaluate
 from .parameters import INDEX, Parameter, unknown
@@ -16,7 +17,7 @@ _IN_NAME: Final = re.compile(r"[A-Za-z0-9_.](?:\$\$)*\$(?!\$)")
 _Shown: TypeAlias = Callable[[Amount], str]
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Filling:
     """Parameters, in one copy of a repeated entry or outside of any, and what a text met of them.
 

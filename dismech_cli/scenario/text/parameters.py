@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, Final, TypeAlias
 
+from ...frozen import frozen
 from ...quantities import QuantityError, name_of, read_quantity
 from ...units import KINDS, Dimension
 from ...words import hint, listed
@@ -44,7 +45,7 @@ _TOLD: Final = ""
 _TAKEN: Final = frozenset({INDEX, *CONSTANTS, *FUNCTIONS})
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Parameter:
     """A parameter and where its value was written.
 
@@ -336,7 +337,7 @@ class _Resolver:
         self.problems.append(Problem(place.mark, (KEY, *path), message))
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class _Unit:
     """What a parameter measures.
 

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Final
 
 from ...errors import ScenarioError
+from ...frozen import frozen
 from .tree import KeyPath, Mark, format_path
 
 SHOWN: Final = 25
 EXCERPT_WIDTH: Final = 96
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Problem:
     """One fault: its place, the key path if there is one, and a message."""
 

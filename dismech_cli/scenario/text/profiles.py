@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final
 
 from ...errors import ScenarioError
+from ...frozen import frozen
 from ...quantities import QuantityError, parse_quantity
 from ...solve.integrators import INTEGRATORS, TrBdf2
 from ...units import KINDS
@@ -17,7 +18,7 @@ from .problems import Problem, ProblemsError
 from .tree import Mark, Node, Source, describe
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Profile:
     """What a built-in profile does.
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import Any, Final
 
+from ...frozen import frozen
 from ...quantities import QuantityError
 from ...words import hint, listed
 from .problems import Problem, ProblemsError
@@ -47,7 +47,7 @@ SCHEMA: Final[Mapping[str, Mapping[str, Any]]] = {
 _TURN = Callable[[int], tuple[float, float]]
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Repeat:
     """How often an entry is copied, and where to.
 

@@ -10,9 +10,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final
 
+from ...frozen import frozen
 from . import repeat
 from .filling import Filling, is_name
 from .formula import FormulaError
@@ -28,7 +29,7 @@ _LATER: Final = "sweep"
 _CURLING: Final = frozenset({"curvature_1", "curvature_2"})
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Substituted:
     """A scenario without parameters.
 

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any, Final, TypeAlias
+
+from ...frozen import frozen
 
 Scalar: TypeAlias = str | int | float | bool | None
 KeyPath: TypeAlias = tuple[str | int, ...]
@@ -16,7 +18,7 @@ MAX_NODES: Final = 100_000
 TOO_MANY: Final = f"more than {MAX_NODES} values: give long curves and tables as CSV files"
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Source:
     """A text that sets values.
 
@@ -33,7 +35,7 @@ class Source:
     positions: bool = True
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Mark:
     """A place in a text: line and column counted from 1, and how many characters it covers."""
 
@@ -48,7 +50,7 @@ class Mark:
         return f"{self.source.name}:{self.line}:{self.column}"
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Node:
     """A value with its place.
 

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final, TypeAlias
 
+from ...frozen import frozen
 from ...quantities import QuantityError, parse_quantity
 from ...units import KINDS
 from .problems import Problem, ProblemsError
@@ -17,7 +18,7 @@ Turn: TypeAlias = tuple[Triple, Triple, tuple[float, float]]
 """Direction of the axis, a point on it, and cosine and sine of the angle."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Move:
     """A turn and then a way.
 
@@ -30,7 +31,7 @@ class Move:
     way: Triple
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class _Shape:
     """The coordinates of a generated shape.
 

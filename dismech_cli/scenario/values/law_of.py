@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from contextvars import ContextVar
-from dataclasses import dataclass
 from typing import Annotated, Any, Final, TypeAlias
 
 from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema, core_schema
 
+from ...frozen import frozen
 from ...units import KINDS
 from ..text.tree import describe
 from .quantity import Quantity, to_si
@@ -17,7 +17,7 @@ from .spec import problem
 from .strain import kind_here
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class LawOf:
     """Marks a field as a law whose values are a physical quantity.
 
@@ -58,7 +58,7 @@ _FIELD: ContextVar[LawOf] = ContextVar("law field")
 _PLAIN = LawOf("ratio")
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class _FieldQuantity:
     """Marks a number as a value of the law's field."""
 
@@ -83,7 +83,7 @@ def _read(value: object) -> float:
 FieldValue: TypeAlias = Annotated[float, _FieldQuantity()]
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class _PositiveFieldQuantity(_FieldQuantity):
     """Marks a number above zero as a value of the law's field."""
 
@@ -103,7 +103,7 @@ def _read_positive(value: object) -> float:
 PositiveFieldValue: TypeAlias = Annotated[float, _PositiveFieldQuantity()]
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Pair:
     """Marks a pair as a time or a place and a value of the law's field.
 
@@ -144,7 +144,7 @@ class Pair:
         return {"type": "array", "items": items, "minItems": 2, "maxItems": 2}
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class PositivePair(Pair):
     """Marks a pair whose value must be above zero."""
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Annotated, Any, Final, TypeAlias
 
 from annotated_types import Len
@@ -10,6 +9,7 @@ from pydantic import Field, GetCoreSchemaHandler, GetJsonSchemaHandler, Strict
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema, core_schema
 
+from ...frozen import frozen
 from ...quantities import QuantityError, parse_quantity
 from ...units import KINDS, Kind
 from ..text.tree import describe
@@ -22,7 +22,7 @@ SMALLEST: Final = 1e-40
 """Smallest number, where it must be above zero: the fourth power of a length is above zero too."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Quantity:
     """Marks a float field as a physical quantity: a bare number is SI, text carries a unit.
 
@@ -128,7 +128,7 @@ VelocityTriple: TypeAlias = Annotated[
 ]
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Direction:
     """Marks a triple that must not be zero."""
 
@@ -145,7 +145,7 @@ def _nonzero(value: tuple[float, ...]) -> tuple[float, ...]:
 DirectionTriple: TypeAlias = Annotated[Triple, Direction()]
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class FileReference:
     """Marks a text field as the name of a file, relative to the folder of the scenario.
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from enum import Enum, auto
 from typing import Annotated, Any, Final, TypeAlias
 
@@ -11,6 +10,7 @@ from pydantic import Field, GetJsonSchemaHandler, Strict, Tag, model_validator
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema
 
+from ...frozen import frozen
 from .quantity import DirectionTriple, Index, LengthTriple, Name, PositiveLength
 from .spec import Spec, exactly_one, exclusive, problem, tag, told_by_key
 
@@ -130,7 +130,7 @@ class NearestSelection(Spec):
     nearest: LengthTriple = Field(description="The point.")
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class TextToo:
     """Tells editors that text is taken as well, which is short for a mapping."""
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
-from dataclasses import dataclass
 from typing import Any, Final, Literal, TypeAlias
 
 from pydantic_core import core_schema
 
+from ...frozen import frozen
 from ...units import KINDS, Kind
 from .quantity import Quantity
 
@@ -50,7 +50,7 @@ def kind_here(name: str) -> Kind:
     return KINDS[name]
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class StrainQuantity(Quantity):
     """Marks a float as a strain, or a rate of it, of the kind that the mapping around it is about."""
 

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
+from ...frozen import frozen
 from ..language.scenario import Scenario
 from ..text.parameters import KEY, Parameter
 from ..text.tree import KeyPath, Node, Scalar, format_path
 from .walk import leaves
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Provenance:
     """A resolved value.
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from functools import cache
 from typing import Any, get_args
 
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
+from ...frozen import frozen
 from ...units import KINDS
 from ..language.control import Ideal, Incremental, Plugin, Positional
 from ..language.expect import Expectation, measured
@@ -56,7 +56,7 @@ def probes(scenario: Scenario) -> Iterator[tuple[KeyPath, Probe]]:
         yield ("numerics", "integrator", "path", "until", "probe"), integrator.path.until.probe
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Selected:
     """A selection of the scenario.
 
@@ -98,7 +98,7 @@ def _selecting(kind: type[BaseModel]) -> tuple[tuple[str, str, Selects | None], 
     )
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Leaf:
     """A number, text, flag or empty collection of the scenario.
 

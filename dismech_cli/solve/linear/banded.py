@@ -5,7 +5,6 @@ Chains of rods are narrow bands in the pattern's numbering; nothing is faster on
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
@@ -13,6 +12,7 @@ from scipy.linalg.blas import dgbmv, dsbmv
 from scipy.linalg.lapack import dgbtrf, dgbtrs, dpbtrf, dpbtrs
 
 from ...arrays import FloatArray, IntArray
+from ...frozen import frozen
 from ..pattern import SparsityPattern
 from .factors import FactorizationError, Factors, checked
 
@@ -65,7 +65,7 @@ class BandedSolver:
         return BandedFactors(u, full, self._band if p.symmetric else None, lu, pivots)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class CholeskyFactors:
     """A = L L^T, positive definite."""
 
@@ -90,7 +90,7 @@ class CholeskyFactors:
         return y
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class BandedFactors:
     """P A = L U of a matrix that is unsymmetric, or symmetric and not positive definite.
 

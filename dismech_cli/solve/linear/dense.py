@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 from scipy.linalg.lapack import dgetrf, dgetrs
 
 from ...arrays import FloatArray, IntArray
+from ...frozen import frozen
 from ..pattern import SparsityPattern
 from .factors import FactorizationError, checked
 
@@ -41,7 +41,7 @@ class DenseSolver:
         """None: they would cost as much."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class NoFactors:
     """Of the matrix without rows, where everything is held."""
 
@@ -57,7 +57,7 @@ class NoFactors:
         return rhs.copy()
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class DenseFactors:
     """P A = L U."""
 

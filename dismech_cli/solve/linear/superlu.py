@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
 
 from ...arrays import FloatArray
+from ...frozen import frozen
 from ..pattern import SparsityPattern
 from .factors import FactorizationError, checked, price_of
 
@@ -53,7 +53,7 @@ class SuperLuSolver:
         """None: they would cost as much."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class SuperLuFactors:
     """P_r A P_c = L U."""
 

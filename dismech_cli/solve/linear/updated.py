@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ...arrays import FloatArray
+from ...frozen import frozen
 from .factors import FactorizationError, Factors, Linear
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class UpdatedFactors:
     """Factors of A and an update of k columns, few.
 

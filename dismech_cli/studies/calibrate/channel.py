@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import ClassVar, Protocol
 
 import numpy as np
@@ -12,6 +11,7 @@ from scipy.sparse import csr_matrix
 from ...arrays import FloatArray, IntArray
 from ...compose.compose import Composition
 from ...errors import ScenarioError
+from ...frozen import frozen
 from ...model.state import State
 from ...scenario.language.calibrate import Markers
 from ...scenario.load import LoadedScenario
@@ -40,7 +40,7 @@ class Channel(Protocol):
         """Their derivatives, shape (C, P)."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Points:
     """Coordinates of points of a body, marker by marker.
 
@@ -65,7 +65,7 @@ class Points:
         return slopes
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Probed:
     """Probes of the output.
 
@@ -161,7 +161,7 @@ def _along(
     return nodes[after - 1], nodes[after], share
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Sampling:
     """Which states count for the samples of a table, and by how much: four around each time.
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 
 import h5py
@@ -11,6 +10,7 @@ import numpy as np
 from ...arrays import BoolArray, FloatArray, IntArray
 from ...csv_columns import read_columns
 from ...errors import ScenarioError
+from ...frozen import frozen
 from ...quantities import QuantityError, read_quantity
 from ...scenario.language.calibrate import Markers, Samples
 from ...scenario.load import LoadedScenario
@@ -20,7 +20,7 @@ from ...units import KINDS, Dimension
 _HDF5 = (".h5", ".hdf5")
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Curves:
     """One table of samples.
 

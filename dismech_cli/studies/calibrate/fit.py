@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Final
 
 from ...arrays import FloatArray
+from ...frozen import frozen
 from .data import Curves
 from .knobs import Knob
 from .parts import Part
@@ -15,7 +15,7 @@ _ALIKE: Final = 0.99
 _POOR: Final = 2.0
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Table:
     """How a table of samples is met.
 
@@ -42,7 +42,7 @@ class Table:
     parts: tuple[Part, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Fit:
     """The end of a fit.
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from ...arrays import FloatArray
 from ...compose.compose import Composition
 from ...errors import ScenarioError
+from ...frozen import frozen
 from ...scenario.load import LoadedScenario
 from ...solve.integrators import Static
 from ...solve.linear.factors import FactorizationError
@@ -22,7 +22,7 @@ from .channel import Channel, Probed, Sampling, points, sampling
 from .data import Curves
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Instruments:
     """Read the markers and probes of all tables at their times.
 

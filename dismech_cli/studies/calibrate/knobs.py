@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ...errors import ScenarioError
+from ...frozen import frozen
 from ...quantities import QuantityError, read_quantity
 from ...scenario.language.calibrate import Fitted
 from ...scenario.load import LoadedScenario
 from ..gradient.setting import Setting, expanded
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Knob:
     """A fitted value: what it may be and what was known of it.
 

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from ...arrays import BoolArray, FloatArray
+from ...frozen import frozen
 from .data import Curves, count_of
 
 _SUM: Final = "all together"
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Part:
     """How far off a marker is, or what a probe reads.
 

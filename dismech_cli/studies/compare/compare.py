@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Final
@@ -12,6 +11,7 @@ import numpy as np
 
 from ...arrays import FloatArray, IntArray
 from ...errors import ScenarioError
+from ...frozen import frozen
 from ...output.frame import FieldSpec
 from ...output.read import Run, read
 from ...output.run_directory import RUN_FILE
@@ -25,7 +25,7 @@ _STEPPING: Final = frozenset({"t", "dt", "newton_iterations", "residual", "wall"
 _SAME_TIME: Final = 1e-9  # of the duration
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Compared:
     """Two runs compared.
 

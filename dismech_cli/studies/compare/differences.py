@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
+from ...frozen import frozen
 from ...output.frame import FieldSpec, Topology
 from ...output.frame_array import FrameArray
 from .tolerances import Tolerance
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Measured:
     """A difference before it is judged.
 
@@ -36,7 +36,7 @@ class Measured:
     place: str = ""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Difference:
     """A difference and what is allowed.
 
@@ -61,7 +61,7 @@ class Difference:
         return self.tolerance.allows(self.found.greatest, self.found.scale)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Quantity:
     """What an array over frames is.
 

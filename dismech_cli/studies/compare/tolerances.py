@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Final, Literal
 
 from ...errors import ScenarioError
+from ...frozen import frozen
 from ...quantities import QuantityError, parse_quantity, with_unit
 from ...units import KINDS, Kind
 from ...words import hint
@@ -14,7 +14,7 @@ from ...words import hint
 _RATIO: Final = KINDS["ratio"]
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Tolerance:
     """Greatest difference.
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
 from enum import Enum
 from typing import Final
 
@@ -14,6 +13,7 @@ from ...arrays import FloatArray
 from ...compose.compose import Composition
 from ...control.loop import UNCONTROLLED
 from ...errors import ScenarioError
+from ...frozen import frozen
 from ...model.alike import alike
 from ...run.observables.probes import Probe
 from ...run.simulation import Simulation
@@ -68,7 +68,7 @@ class Method(Enum):
     DIFFERENCES = "differences"
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Check:
     """A directional derivative beside the difference of runs.
 
@@ -85,7 +85,7 @@ class Check:
     agrees: bool
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Gradient:
     """A gradient.
 

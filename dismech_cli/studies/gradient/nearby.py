@@ -9,13 +9,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from ...compose.compose import Composition, compose
 from ...errors import ScenarioError
+from ...frozen import frozen
 from ...model.alike import alike
 from ...run.simulation import Simulation
 from ...scenario.language.scenario import Scenario
@@ -31,7 +31,7 @@ _IN_TABLE: Final = re.compile(r"((?:actuation|forces)\[.+\.table)\[(\d+)\]\[1\]"
 _APART: Final = 3
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Nearby:
     """A scene at neighbouring values of a setting.
 

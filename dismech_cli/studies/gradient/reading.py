@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
 
 from ...arrays import FloatArray
+from ...frozen import frozen
 from ...model.alike import alike
 from ...model.model import Model
 from ...model.state import State
@@ -38,7 +39,7 @@ _SMALL, _SMALLER = 1e-3, 1e-6
 _SHORTER, _BENT = (1.0, 1e-2, 1e-4), 1e-5
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Reduced:
     """A probe and what becomes of its course over time.
 

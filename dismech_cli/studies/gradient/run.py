@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from ...compose.compose import Composition, compose
 from ...errors import ScenarioError, SolverError, UnfinishedError
+from ...frozen import frozen
 from ...kernels.driver import Driver
 from ...kernels.kept import missing
 from ...kernels.loop_text import call_text
@@ -37,7 +38,7 @@ _TOLERANCE = 1e-10
 _TAPE_BYTES = 4e9
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class TapedRun:
     """A run that came to its end.
 

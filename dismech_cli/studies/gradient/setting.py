@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 from math import isfinite
 from typing import Final
 
 from ...errors import ScenarioError
+from ...frozen import frozen
 from ...scenario.load import LoadedScenario, as_path
 from ...scenario.text.amount import Amount
 from ...scenario.text.tree import format_path
@@ -20,7 +20,7 @@ _STEP: Final = 1e-4
 _NOT_PHYSICS: Final = ("numerics", "output", "expect", "profiles", "include", "calibrate")
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Setting:
     """A number of a scenario.
 

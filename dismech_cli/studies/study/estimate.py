@@ -7,10 +7,10 @@ near the nominal one the difference is extrapolated and enlarged by 1.5, else by
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import inf, isfinite, isnan, log, nan
 from typing import Final
 
+from ...frozen import frozen
 from .gap import NONE, UNKNOWN, Gap
 
 # Safety with and without an observed order, the least order that is believed, and the share of the
@@ -18,7 +18,7 @@ from .gap import NONE, UNKNOWN, Gap
 _SAFE, _UNSURE, _LEAST, _STEADY = 1.5, 2.0, 0.5, 0.5
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Estimate:
     """Error of the finest of some levels.
 

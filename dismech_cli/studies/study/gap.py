@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from ...arrays import FloatArray
+from ...frozen import frozen
 
 Norm = Callable[[FloatArray], float]
 """Of what two runs differ by at some times, shape (K,), none of it negative: the share that counts."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Gap:
     """Distances of two runs, or errors of one, as shares of the range of each quantity.
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import signal
 import time
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from math import inf, nan
 from typing import Final
 
@@ -14,6 +14,7 @@ import numpy as np
 from ...arrays import FloatArray
 from ...compose.compose import compose
 from ...errors import ScenarioError
+from ...frozen import frozen
 from ...model.saved import Arrays, Numbers
 from ...output.frame import Frame
 from ...run.interrupt import StopRequest
@@ -35,7 +36,7 @@ SHAPE: Final = "shape"
 """Quantity that every scenario has, unless a probe of it has that name: the nodes of its frames."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Point:
     """A run that was made.
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Final
 
+from ...frozen import frozen
 from .estimate import NO_ERROR, Estimate
 from .measure import Point
 from .runs import Runs
@@ -15,7 +16,7 @@ _CALM: Final = 1.0 / 3.0
 _INTERACTION: Final = 4.0
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Found:
     """A setting that meets the target, or the last that was tried.
 

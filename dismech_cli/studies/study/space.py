@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from itertools import product
 from typing import Any, Final
 
 from ...errors import ScenarioError
+from ...frozen import frozen
 from ...output.jsonable import dumps
 from ...scenario.language.numerics import Static
 from ...scenario.language.study import Axis, Levels, Study
@@ -25,7 +25,7 @@ Setting = tuple[str, str]
 """A key path and a value, as ``--set`` takes them."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Line:
     """Levels of refinement.
 
@@ -47,7 +47,7 @@ class Line:
         return tuple(zip(self.keys, self.texts[level], strict=True))
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Space:
     """All that is tried.
 

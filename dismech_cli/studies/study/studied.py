@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
+from ...frozen import frozen
 from ...scenario.language.study import Measured
 from .measure import Point
 from .refine import Found
 from .space import Setting
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Row:
     """A run of the table.
 
@@ -28,7 +28,7 @@ class Row:
     best: bool
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Studied:
     """What came of a study.
 

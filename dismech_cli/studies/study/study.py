@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from math import inf
 from pathlib import Path
 from typing import Final
 
 from ...errors import ScenarioError
+from ...frozen import frozen
 from ...kernels.availability import numba_fault
 from ...output.durable import output_errors, write_bytes
 from ...output.jsonable import dumps
@@ -40,7 +41,7 @@ MARKDOWN_FILE: Final = "study.md"
 PAGE_FILE: Final = "study.html"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Request:
     """What to study, as given on the command line.
 

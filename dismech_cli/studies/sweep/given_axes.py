@@ -5,13 +5,13 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
 from pydantic import ValidationError
 
 from ...errors import ScenarioError
+from ...frozen import frozen
 from ...scenario.language.sweep import Sweep
 from ...scenario.text.problems import ProblemsError
 from ...scenario.text.tree import Source
@@ -21,7 +21,7 @@ _SPAN: Final = re.compile(r"(?P<from>[^:]+):(?P<to>[^:]+):(?P<count>\d+)(:(?P<sc
 _RANGE: Final = re.compile(r"(?P<from>[^:]+):(?P<to>[^:]+)(:(?P<scale>log|linear))?")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Given:
     """Options of the command line that say what is varied.
 

@@ -5,12 +5,13 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cache, lru_cache
 from pathlib import Path
 
 from ...control.plugin import load_plugins
 from ...errors import ScenarioError
+from ...frozen import frozen
 from ...output.jsonable import Json, to_json
 from ...output.manifest import FILE_NAME as MANIFEST
 from ...output.manifest import installed_versions
@@ -26,7 +27,7 @@ from .axes import Row, rows
 _TOLD = 20
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Setting:
     """A value that a point sets.
 
@@ -43,7 +44,7 @@ class Setting:
     unit: str
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Point:
     """A run to be made.
 
@@ -70,7 +71,7 @@ class Point:
         return tuple(f"{one.key}={one.text}" for one in self.settings)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Base:
     """The scenario that all points change.
 

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import IO, Any, Final, Protocol, Self
 
 from ...errors import OutputError
+from ...frozen import frozen
 from ...output.jsonable import dumps
 from ...output.threads import COUNTS, REPRODUCIBLE
 from ...render.child import describe_exit
@@ -30,7 +31,7 @@ _LOG_LINES: Final = 30
 _MODULE: Final = f"{__package__}.child"
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Answer:
     """What became of a task.
 

@@ -17,9 +17,10 @@ import time
 import uuid
 from collections.abc import Iterator
 from contextlib import suppress
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from pathlib import Path
 
+from ...frozen import frozen
 from ...output.durable import output_errors, sync_folder, write_bytes
 
 RESULT_FILE = "result.json"
@@ -29,7 +30,7 @@ _HIDDEN = re.compile(r"\.(?P<id>[0-9a-f]{16})\.[0-9a-f]{32}")
 _GIVEN_UP = 7 * 86400.0
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Owner:
     """A process, told from later ones with its number by when it started.
 
@@ -68,7 +69,7 @@ class Owner:
         return _started(self.pid) != self.started or _is_zombie(self.pid)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Work:
     """A point being worked at.
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import closing
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
 from ...errors import ScenarioError
+from ...frozen import frozen
 from ...output.durable import output_errors, write_bytes
 from ...output.jsonable import dumps
 from ...output.manifest import installed_versions
@@ -38,7 +38,7 @@ _WARMED: Final = 8  # points whose kernels are compiled before the others begin,
 _DOUBTS: Final = 10
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Request:
     """What to sweep, as given on the command line.
 
@@ -71,7 +71,7 @@ class Request:
     executor: Callable[[Path, Narrator], Executor] | None = None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Swept:
     """A sweep as far as it came.
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 import csv
 import io
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
 import numpy as np
 
+from ...frozen import frozen
 from ...output.durable import output_errors, staged, write_bytes
 from ...output.jsonable import Json
 from .task import Result
@@ -21,7 +21,7 @@ TIMES: Final = ("cpu", "wall")
 _COUNTERS: Final = ("steps", "iterations", "cuts", "frames")
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Column:
     """A column of the table.
 

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import asdict, fields, replace
 from pathlib import Path
 from typing import Any, Literal, Self
 
 from ...errors import OutputError
+from ...frozen import frozen
 from ...output.durable import output_errors, write_bytes
 from ...output.jsonable import Json, dumps
 from .points import Base, Point
@@ -17,7 +18,7 @@ from .publish import RESULT_FILE
 Status = Literal["done", "failed", "timeout", "broken"]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Task:
     """A point to be run.
 
@@ -94,7 +95,7 @@ class Task:
         )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Result:
     """How a point ended: what tables and reports are made of.
 
