@@ -29,7 +29,8 @@ def add_block(a: Block, b: Block) -> Block:
 
 def _add_diagonal(s: Any, a: Any) -> Any:
     out = a.copy()
-    out[::4] += s
+    diagonal = out[::4]
+    diagonal += s
     return out
 
 

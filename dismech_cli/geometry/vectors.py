@@ -16,9 +16,11 @@ from .kernel import operation, selection
 Vector = Any
 Block = Any
 
-# Rows (i, j) of a packed symmetric block, and the cyclic successors of the components.
+# Rows (i, j) of a packed symmetric block, and the components in a cycle, each after the one before.
 _ROW, _COLUMN = np.array([0, 0, 0, 1, 1, 2]), np.array([0, 1, 2, 1, 2, 2])
-_NEXT, _LAST = np.array([1, 2, 0]), np.array([2, 0, 1])
+_CYCLE = np.array([1, 2, 0, 1])
+# Components of a in the matrix of a x; those on the diagonal are replaced.
+_TURNED = np.array([0, 2, 1, 2, 0, 0, 1, 0, 0])
 
 
 def _combine(s: Any, a: Any, r: Any, b: Any) -> Any:
@@ -76,11 +78,9 @@ def dot(a: Vector, b: Vector) -> Any:
 
 
 def _cross(a: Any, b: Any) -> Any:
-    out = a.take(_NEXT, axis=0)
-    out *= b.take(_LAST, axis=0)
-    back = a.take(_LAST, axis=0)
-    back *= b.take(_NEXT, axis=0)
-    out -= back
+    a, b = a.take(_CYCLE, axis=0), b.take(_CYCLE, axis=0)
+    out = a[:3] * b[1:]
+    out -= a[1:] * b[:3]
     return out
 
 
@@ -225,7 +225,8 @@ def expand(a: Block) -> Block:
 
 
 def _add_identity(s: Any, a: Any) -> Any:
-    a[[0, 3, 5]] += s
+    for entry in (a[0], a[3], a[5]):
+        entry += s
     return a
 
 
@@ -236,12 +237,10 @@ def add_identity(s: Any, a: Block) -> Block:
 
 
 def _spin(s: Any, a: Any) -> Any:
-    out = np.empty((9, a.shape[1]))
+    out = a.take(_TURNED, axis=0)
+    for entry in (out[1], out[5], out[6]):
+        np.negative(entry, out=entry)
     out[::4] = s
-    out[3], out[2], out[7] = a[2], a[1], a[0]
-    np.negative(a[0], out=out[5])
-    np.negative(a[1], out=out[6])
-    np.negative(a[2], out=out[1])
     return out
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import field
 from typing import Any
 
 import numpy as np
@@ -10,19 +11,12 @@ from scipy.sparse import csr_matrix
 
 from ..arrays import FloatArray, IntArray
 from ..frozen import frozen
+from .batches import Batches
 from .driver import DragLoop, LoadLoop, LoopT, RateLoop, StencilLoop
 from .linearization import Linearization, Pattern
 from .loop_text import LoopText
-from .needed import first_results
 from .numpy_rates import NumpyRateLoop
 from .shape import DragKernel, Kernel, LoadKernel, RateKernel
-
-# Stencils per call: temporaries of a chunk stay in the second-level cache.
-_CHUNK = 2048
-
-
-def _chunks(count: int) -> list[slice]:
-    return [slice(i, min(i + _CHUNK, count)) for i in range(0, count, _CHUNK)]
 
 
 def _operator(
@@ -54,63 +48,71 @@ def _ends(kernel: Kernel | DragKernel | LoadKernel, dofs: IntArray) -> tuple[Int
 
 
 class NumpyStencilLoop:
-    """Gather, evaluate in chunks, scatter by two sparse operators."""
+    """Gather, evaluate, scatter by two sparse operators."""
 
-    def __init__(self, kernel: Kernel, dofs: IntArray, auxiliaries: IntArray, pattern: Pattern) -> None:
-        self._kernel = kernel
-        count = len(dofs)
+    def __init__(
+        self,
+        kernel: Kernel,
+        dofs: IntArray,
+        auxiliaries: IntArray,
+        pattern: Pattern,
+        finish: Callable[[FloatArray], FloatArray] = lambda packed: packed,
+    ) -> None:
+        """Find out what goes where.
+
+        Args:
+            kernel: The energy.
+            dofs: Global DOFs of each stencil, shape (S, D).
+            auxiliaries: Places of its auxiliary inputs, shape (S, A).
+            pattern: Where tangent entries go.
+            finish: What is made of the packed Hessians before they go there, shape (R (R + 1)/2, S).
+        """
+        count, packed = len(dofs), kernel.reduced * (kernel.reduced + 1) // 2
         angles = kernel.dimension * kernel.nodes + np.arange(kernel.angles)
+        self._batches = Batches(kernel.function)
         self._tails, self._heads = _ends(kernel, dofs)
         self._angles = np.ascontiguousarray(dofs[:, angles].T)
         self._auxiliaries = np.ascontiguousarray(auxiliaries.T)
         self._vectors = len(self._tails)
-        self._chunks = _chunks(count)
         self._y = np.empty((kernel.reduced, count))
         self._energy = np.empty((kernel.energies, count))
         self._gradient = np.empty((kernel.reduced, count))
-        self._hessian = np.empty((kernel.reduced * (kernel.reduced + 1) // 2, count))
+        self._hessian, self._finish = np.empty((packed, count)), finish
         local, reduced, signs = kernel.gradient_table
         self._local, self._reduced, self._signs, self._dofs = local, reduced, signs, dofs
         self._to_residual: csr_matrix | None = None
-        pairs, packed, factors = kernel.hessian_table
+        pairs, entries, factors = kernel.hessian_table
         i, j = kernel.local_pairs
         slots = pattern.symmetric_slots(dofs[:, i], dofs[:, j])
-        self._to_values = _operator(slots[:, pairs], packed, factors, pattern.slots, pattern.slots - 1)
+        self._to_values = _operator(slots[:, pairs], entries, factors, pattern.slots, pattern.slots - 1)
 
     def energy(self, q: FloatArray, auxiliary: FloatArray, parameters: FloatArray) -> FloatArray:
         """Shares of the energy of each stencil [J]."""
-        a, energies = self._gathered(q, auxiliary), first_results(self._kernel.function, 1)
-        for chunk in self._chunks:
-            (self._energy[:, chunk],) = energies(self._y[:, chunk], a[:, chunk], parameters[:, chunk])
+        self._batches.evaluate((0,), (self._energy,), *self._gathered(q, auxiliary), parameters)
         return self._energy.copy()
 
     def add_residual(
         self, q: FloatArray, auxiliary: FloatArray, parameters: FloatArray, r: FloatArray
     ) -> None:
         """Add dE/dq."""
-        a, forces = self._gathered(q, auxiliary), first_results(self._kernel.function, 2)
-        for chunk in self._chunks:
-            _, gradient = forces(self._y[:, chunk], a[:, chunk], parameters[:, chunk])
-            _fill(self._gradient, gradient, chunk)
+        self._batches.evaluate((1,), (self._gradient,), *self._gathered(q, auxiliary), parameters)
         self._add_gradient(r)
 
     def add_linearization(
         self, q: FloatArray, auxiliary: FloatArray, parameters: FloatArray, into: Linearization
     ) -> None:
         """Add dE/dq and d2E/dq2."""
-        a = self._gathered(q, auxiliary)
-        for chunk in self._chunks:
-            _, gradient, hessian = self._kernel.function(self._y[:, chunk], a[:, chunk], parameters[:, chunk])
-            _fill(self._gradient, gradient, chunk)
-            _fill(self._hessian, hessian, chunk)
+        self._batches.evaluate(
+            (1, 2), (self._gradient, self._hessian), *self._gathered(q, auxiliary), parameters
+        )
         self._add_gradient(into.residual)
-        into.stiffness += self._to_values @ self._hessian.reshape(-1)
+        into.stiffness += self._to_values @ self._finish(self._hessian).reshape(-1)
 
-    def _gathered(self, q: FloatArray, auxiliary: FloatArray) -> FloatArray:
-        """Edge vectors and angles are put in place; auxiliary inputs of the stencils."""
+    def _gathered(self, q: FloatArray, auxiliary: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Edge vectors and angles, put in place, and auxiliary inputs of the stencils."""
         np.subtract(q[self._heads], q[self._tails], out=self._y[: self._vectors])
         self._y[self._vectors :] = q[self._angles]
-        return auxiliary[self._auxiliaries]
+        return self._y, auxiliary[self._auxiliaries]
 
     def _add_gradient(self, r: FloatArray) -> None:
         if self._to_residual is None:
@@ -124,52 +126,54 @@ class NumpyDragLoop:
     """The same for drag kernels."""
 
     def __init__(self, kernel: DragKernel, dofs: IntArray, pattern: Pattern) -> None:
-        self._kernel = kernel
+        count, f = len(dofs), kernel.forces
+        self._batches = Batches(kernel.function)
         self._tails, self._heads = _ends(kernel, dofs)
         loaded = dofs[:, kernel.loaded_dofs]
         self._loaded = np.ascontiguousarray(loaded.T)
+        self._force = np.empty((f, count))
+        self._stiffness, self._damping = np.empty((f * kernel.reduced, count)), np.empty((f * f, count))
         row, column, index, sign = kernel.stiffness_table
         spare = pattern.slots - 1
         slots = pattern.slots_of(dofs[:, row], dofs[:, column])
         self._to_stiffness = _operator(slots, index, sign, pattern.slots, spare)
-        f = kernel.forces
         i, j = np.divmod(np.arange(f * f), f)
         slots = pattern.slots_of(loaded[:, i], loaded[:, j])
         self._to_damping = _operator(slots, np.arange(f * f), np.ones(f * f), pattern.slots, spare)
 
     def add_residual(self, q: FloatArray, v: FloatArray, parameters: FloatArray, r: FloatArray) -> None:
         """Add -f."""
-        self._add(self._evaluate(q, v, parameters)[0], r)
+        self._batches.evaluate((0,), (self._force,), *self._gathered(q, v), parameters)
+        self._add_force(r)
 
     def add_linearization(
         self, q: FloatArray, v: FloatArray, parameters: FloatArray, into: Linearization
     ) -> None:
         """Add -f, -df/dq and -df/dv."""
-        force, stiffness, damping = self._evaluate(q, v, parameters)
-        self._add(force, into.residual)
-        into.stiffness += self._to_stiffness @ stiffness.reshape(-1)
-        into.damping += self._to_damping @ damping.reshape(-1)
+        out = (self._force, self._stiffness, self._damping)
+        self._batches.evaluate((0, 1, 2), out, *self._gathered(q, v), parameters)
+        self._add_force(into.residual)
+        into.stiffness += self._to_stiffness @ self._stiffness.reshape(-1)
+        into.damping += self._to_damping @ self._damping.reshape(-1)
 
-    def _evaluate(
-        self, q: FloatArray, v: FloatArray, parameters: FloatArray
-    ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        y = q[self._heads] - q[self._tails]
-        force, stiffness, damping = self._kernel.function(y, v[self._loaded], parameters)
-        return _rows(force, y.shape[1]), _rows(stiffness, y.shape[1]), _rows(damping, y.shape[1])
+    def _gathered(self, q: FloatArray, v: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Edge vectors, and velocities of the loaded nodes."""
+        return q[self._heads] - q[self._tails], v[self._loaded]
 
-    def _add(self, force: FloatArray, r: FloatArray) -> None:
-        r += np.bincount(self._loaded.reshape(-1), force.reshape(-1), minlength=len(r))
+    def _add_force(self, r: FloatArray) -> None:
+        r += np.bincount(self._loaded.reshape(-1), self._force.reshape(-1), minlength=len(r))
 
 
 class NumpyLoadLoop:
     """The same for load kernels."""
 
     def __init__(self, kernel: LoadKernel, dofs: IntArray, auxiliaries: IntArray, pattern: Pattern) -> None:
-        self._kernel = kernel
         count = len(dofs)
+        self._batches = Batches(kernel.function)
         self._tails, self._heads = _ends(kernel, dofs)
         self._vectors = len(self._tails)
         self._dofs = np.ascontiguousarray(dofs.T)
+        self._angles = self._dofs[kernel.dimension * kernel.nodes :]
         self._auxiliaries = np.ascontiguousarray(auxiliaries.T)
         self._y = np.empty((kernel.reduced, count))
         self._force = np.empty((kernel.dofs, count))
@@ -182,7 +186,7 @@ class NumpyLoadLoop:
         self, q: FloatArray, auxiliary: FloatArray, parameters: FloatArray, scale: float, r: FloatArray
     ) -> None:
         """Add -f."""
-        self._evaluate(q, auxiliary, parameters)
+        self._batches.evaluate((0,), (self._force,), *self._gathered(q, auxiliary), parameters)
         self._add_force(scale, r)
 
     def add_linearization(
@@ -194,33 +198,20 @@ class NumpyLoadLoop:
         into: Linearization,
     ) -> None:
         """Add -f and -df/dq."""
-        self._evaluate(q, auxiliary, parameters)
+        self._batches.evaluate(
+            (0, 1), (self._force, self._stiffness), *self._gathered(q, auxiliary), parameters
+        )
         self._add_force(scale, into.residual)
         into.stiffness += scale * (self._to_stiffness @ self._stiffness.reshape(-1))
 
-    def _evaluate(self, q: FloatArray, auxiliary: FloatArray, parameters: FloatArray) -> None:
+    def _gathered(self, q: FloatArray, auxiliary: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Edge vectors and angles, put in place, and auxiliary inputs of the stencils."""
         np.subtract(q[self._heads], q[self._tails], out=self._y[: self._vectors])
-        self._y[self._vectors :] = q[self._dofs[self._kernel.dimension * self._kernel.nodes :]]
-        a = auxiliary[self._auxiliaries]
-        for chunk in _chunks(self._y.shape[1]):
-            force, stiffness = self._kernel.function(self._y[:, chunk], a[:, chunk], parameters[:, chunk])
-            _fill(self._force, force, chunk)
-            _fill(self._stiffness, stiffness, chunk)
+        self._y[self._vectors :] = q[self._angles]
+        return self._y, auxiliary[self._auxiliaries]
 
     def _add_force(self, scale: float, r: FloatArray) -> None:
         r += scale * np.bincount(self._dofs.reshape(-1), self._force.reshape(-1), minlength=len(r))
-
-
-def _fill(rows: FloatArray, values: Any, chunk: slice) -> None:
-    """Write results of a kernel, which may be single numbers, to the columns of a chunk."""
-    for target, value in zip(rows, values, strict=True):
-        target[chunk] = value
-
-
-def _rows(values: Any, count: int) -> FloatArray:
-    out = np.empty((len(values), count))
-    _fill(out, values, slice(None))
-    return out
 
 
 @frozen
@@ -228,6 +219,7 @@ class NumpyDriver:
     """Always available; as fast as the compiled loops on meshes of 1e5 stencils, to a factor of ten."""
 
     name: str = "numpy"
+    _maps: dict[Callable[[Any], Any], Batches] = field(default_factory=dict, compare=False, repr=False)
 
     def stencil(self, kernel: Kernel, dofs: IntArray, auxiliaries: IntArray, pattern: Pattern) -> StencilLoop:
         """Loop of an energy kernel."""
@@ -247,7 +239,11 @@ class NumpyDriver:
 
     def map(self, function: Callable[[Any], Any], inputs: FloatArray, outputs: int) -> FloatArray:
         """Apply a kernel column by column."""
-        return _rows(function(inputs), inputs.shape[1])
+        if function not in self._maps:
+            self._maps[function] = Batches(lambda x: (function(x),))
+        out = np.empty((outputs, inputs.shape[1]))
+        self._maps[function].evaluate((0,), (out,), inputs)
+        return out
 
     def compiled(self, loop: LoopT) -> LoopT | None:
         """None: batches."""

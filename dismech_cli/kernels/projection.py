@@ -8,8 +8,8 @@ the solution. Energies and gradients are untouched, so what is balance stays bal
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
-from typing import Any
+from functools import partial
+from typing import Any, Final
 
 import numpy as np
 
@@ -18,8 +18,11 @@ from ..frozen import frozen
 from .driver import DragLoop, Driver, LoadLoop, LoopT, RateLoop, StencilLoop
 from .linearization import Linearization, Pattern
 from .loop_text import LoopText
-from .numpy_driver import NumpyDriver
+from .numpy_driver import NumpyStencilLoop
 from .shape import DragKernel, Kernel, LoadKernel, RateKernel
+
+# Matrices whose eigenvalues are found at a time.
+_CHUNK: Final = 2048
 
 
 def clamped(packed: FloatArray, order: int) -> FloatArray:
@@ -45,18 +48,12 @@ def clamped(packed: FloatArray, order: int) -> FloatArray:
     return out
 
 
-def _projected(kernel: Kernel) -> Kernel:
-    """The kernel with its Hessian clamped, for batches."""
-    entries = kernel.reduced * (kernel.reduced + 1) // 2
-
-    def function(y: FloatArray, a: FloatArray, p: FloatArray) -> tuple[Any, Any, FloatArray]:
-        energy, gradient, hessian = kernel.function(y, a, p)
-        packed = np.empty((entries, y.shape[1]))
-        for row, value in zip(packed, hessian, strict=True):
-            row[:] = value
-        return energy, gradient, clamped(packed, kernel.reduced)
-
-    return replace(kernel, function=function)
+def _in_place(packed: FloatArray, order: int) -> FloatArray:
+    """The matrices given, clamped, some at a time."""
+    for start in range(0, packed.shape[1], _CHUNK):
+        chunk = packed[:, start : start + _CHUNK]
+        chunk[:] = clamped(chunk, order)
+    return packed
 
 
 @frozen
@@ -110,7 +107,7 @@ class ProjectedDriver:
         """Loop of an energy kernel."""
         return ProjectedLoop(
             self.driver.stencil(kernel, dofs, auxiliaries, pattern),
-            NumpyDriver().stencil(_projected(kernel), dofs, auxiliaries, pattern),
+            NumpyStencilLoop(kernel, dofs, auxiliaries, pattern, partial(_in_place, order=kernel.reduced)),
         )
 
     def drag(self, kernel: DragKernel, dofs: IntArray, pattern: Pattern) -> DragLoop:

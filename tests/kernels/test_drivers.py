@@ -20,7 +20,7 @@ from derivatives import Probe
 from numpy.testing import assert_allclose
 from shell_force_checks import shell_load_cases
 
-from dismech_cli.kernels import numpy_driver
+from dismech_cli.kernels import batches
 from dismech_cli.kernels.driver import Driver
 from dismech_cli.kernels.numba_driver import NumbaDriver
 from dismech_cli.kinematics.rod_frames import edge_frame, joint_reference_twist
@@ -99,7 +99,7 @@ def test_chunks_do_not_show(monkeypatch: pytest.MonkeyPatch) -> None:
     q = disturbed(case.model, seed=24)
     c = configuration(case.model, q, np.zeros_like(q), adapted(case.model, q))
     whole = Probe.of(case.term, case.model, NUMPY).tangents(c)[0]
-    monkeypatch.setattr(numpy_driver, "_CHUNK", 2)
+    monkeypatch.setattr(batches, "_CHUNK", 2)
     assert np.array_equal(Probe.of(case.term, case.model, NUMPY).tangents(c)[0], whole)
 
 
