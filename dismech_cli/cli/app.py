@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Mapping
 from types import ModuleType
@@ -104,6 +105,8 @@ def main(arguments: list[str] | None = None) -> Any:
     Args:
         arguments: The command line without the program name; None takes that of the process.
     """
+    # those of other packages have no business with scenarios, and to search for them takes as long as 50 steps
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "1")
     name = next(iter(sys.argv[1:] if arguments is None else arguments), "")
     # reading the options of all commands takes longer than reading a scenario
     leave(_program({name: _COMMANDS[name]}) if name in _COMMANDS else app, arguments)

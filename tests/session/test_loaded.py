@@ -7,6 +7,9 @@ import subprocess
 import sys
 from importlib.util import find_spec
 from pathlib import Path
+from typing import Any
+
+import pytest
 
 ROOT = Path(__file__).parents[2]
 
@@ -15,7 +18,14 @@ RUN = """
 import json, sys
 import dismech_cli
 dismech_cli.simulate("scenarios/contortion.yaml", kernels="numpy")
-print(json.dumps(sorted(name for name in sys.modules if name.startswith("dismech_cli."))))
+from dismech_cli.scenario.values.spec import Spec
+def kinds(of):
+    return [one for kind in of.__subclasses__() for one in (kind, *kinds(kind))]
+print(json.dumps({
+    "modules": [name for name in sys.modules if name.startswith("dismech_cli.")],
+    "compiled": [kind.__name__ for kind in kinds(Spec) if kind.__pydantic_complete__],
+    "kinds": len(kinds(Spec)),
+}))
 """
 
 NEEDLESS = frozenset(
@@ -54,11 +64,23 @@ NEEDLESS = frozenset(
 )
 
 
-def test_a_plain_run_loads_nothing_of_other_scenes() -> None:
+@pytest.fixture(scope="module")
+def loaded() -> dict[str, Any]:
+    """What a plain run has loaded: modules, and classes of the language that were compiled."""
     done = subprocess.run([sys.executable, "-c", RUN], cwd=ROOT, capture_output=True, text=True, check=True)
-    loaded = set(json.loads(done.stdout.splitlines()[-1]))
-    assert "dismech_cli.run.loop" in loaded
-    assert not NEEDLESS & loaded
+    return dict(json.loads(done.stdout.splitlines()[-1]))
+
+
+def test_a_plain_run_loads_nothing_of_other_scenes(loaded: dict[str, Any]) -> None:
+    assert "dismech_cli.run.loop" in loaded["modules"]
+    assert not NEEDLESS & set(loaded["modules"])
+
+
+def test_a_plain_run_compiles_the_parts_of_the_language_that_it_has(loaded: dict[str, Any]) -> None:
+    compiled = set(loaded["compiled"])
+    assert {"Scenario", "Rod", "Clamp", "RampLaw", "ImplicitEuler", "Render"} <= compiled
+    assert not {"Shell", "Contact", "Study", "Sphere", "HingeJoint", "GeneralizedAlpha"} & compiled
+    assert len(compiled) < loaded["kinds"] / 4
 
 
 def test_what_is_needless_there_exists() -> None:

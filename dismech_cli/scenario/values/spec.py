@@ -3,10 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, Self, cast
+from contextvars import ContextVar
+from typing import Any, Final, Literal, Self, cast, get_args, get_origin
 
-from pydantic import BaseModel, ConfigDict, Discriminator
-from pydantic_core import PydanticCustomError
+from pydantic import BaseModel, ConfigDict, Discriminator, GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic.json_schema import JsonSchemaValue
+from pydantic_core import CoreSchema, PydanticCustomError, core_schema
+
+_compiled: ContextVar[type[Spec] | None] = ContextVar("_compiled", default=None)
+
+# Marks what stands for a class that is compiled when a scenario has one.
+_WHEN_MET: Final = "dismech_when_met"
 
 
 class Spec(BaseModel):
@@ -20,9 +27,49 @@ class Spec(BaseModel):
         validate_by_alias=True,
         validate_by_name=False,
         serialize_by_alias=True,
-        # most classes are only parts of the scenario: compiled with it, not each by itself
+        # a scene has few of the parts of the language: each is compiled when one is met
         defer_build=True,
     )
+
+    @classmethod
+    def __get_pydantic_core_schema__(cls, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        """Of the class, while it is compiled; as a part of another, something that compiles it once met."""
+        if _compiled.get() is cls:
+            return handler(source)
+        # by these words unions choose
+        words = {
+            name: core_schema.typed_dict_field(core_schema.literal_schema(list(get_args(one.annotation))))
+            for name, one in cls.model_fields.items()
+            if get_origin(one.annotation) is Literal
+        }
+        return core_schema.no_info_wrap_validator_function(
+            lambda value, _: cls.model_validate(value),
+            core_schema.typed_dict_schema(words),
+            ref=f"{cls.__module__}.{cls.__qualname__}:{id(cls)}",
+            serialization=core_schema.wrap_serializer_function_ser_schema(
+                _written, schema=core_schema.any_schema()
+            ),
+            metadata={_WHEN_MET: True},
+        )
+
+    @classmethod
+    def __get_pydantic_json_schema__(
+        cls, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        """Of the class, as a part of another too."""
+        if _WHEN_MET not in schema.get("metadata", {}):
+            return handler(schema)
+        cls.model_rebuild()
+        return handler(cls.__pydantic_core_schema__)
+
+    @classmethod
+    def model_rebuild(cls, **how: Any) -> bool | None:
+        """Compile the class, unless it is; the parts that it has are left for later."""
+        before = _compiled.set(cls)
+        try:
+            return super().model_rebuild(**how)
+        finally:
+            _compiled.reset(before)
 
     @classmethod
     def unsaid(cls, **known: Any) -> Self:
@@ -32,6 +79,13 @@ class Spec(BaseModel):
             **known: Values that are right, such as the word that tells it from others.
         """
         return cast("Self", cls.model_construct(**known))
+
+
+def _written(value: Any, write: core_schema.SerializerFunctionWrapHandler) -> Any:
+    """A part of a scenario, even of a class that no scenario has had yet."""
+    if isinstance(value, Spec):
+        type(value).model_rebuild()
+    return write(value)
 
 
 def tag(key: str) -> str:
