@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..arrays import BoolArray, FloatArray, IntArray
+from ..arrays import BoolArray, FloatArray, IntArray, distinct
 from ..errors import MeshError
 from ..frozen import frozen
 from .allowed import PLAIN, Allowed
@@ -272,7 +272,7 @@ def _note_connections(mesh: Mesh, coincident: int) -> Mesh:
     if coincident:
         notes.append(f"{_some(coincident, 'pair')} of nodes at the same place stay apart, as lips of slits.")
     sides = half_edges(mesh.triangles)[side_counts(mesh.triangles) > 2]
-    if branching := len(np.unique(np.sort(sides, axis=1), axis=0)):
+    if branching := len(distinct(row_keys(sides))):
         notes.append(f"Three or more sheets meet at {_some(branching, 'edge')}.")
     if len(mesh.triangles) and (pinched := pinched_nodes(mesh.triangles)).size:
         notes.append(
