@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.sparse import csr_matrix
 
-from ..arrays import FloatArray, IntArray
+from ..arrays import FloatArray, IntArray, distinct
 from ..frozen import frozen
 from ..mesh.topology.components import components
 from ..mesh.topology.sides import rim_sides
@@ -39,7 +39,7 @@ class EnclosedVolume:
             triangles: Shape (T, 3).
         """
         rim = rim_sides(triangles)
-        nodes = np.unique(rim)
+        nodes = distinct(rim)
         label = np.full(n_nodes, -1, dtype=np.int64)
         _, parts = components(n_nodes, rim)
         rims, label[nodes] = np.unique(parts[nodes], return_inverse=True)

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..arrays import FloatArray, IntArray
+from ..arrays import FloatArray, IntArray, distinct
 from ..frozen import frozen
 
 
@@ -59,7 +59,7 @@ class TurningEdges:
     @property
     def shared(self) -> bool:
         """Whether edges share an angle: then it does not tell by how much each has turned."""
-        return len(np.unique(self.angles)) < len(self.angles)
+        return len(distinct(self.angles)) < len(self.angles)
 
     def along(self, x: FloatArray) -> FloatArray:
         """Head less tail of a vector (n,) or of columns (n, P), shape (3, E) or (3, E, P)."""

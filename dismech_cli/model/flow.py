@@ -8,7 +8,7 @@ from typing import ClassVar, Protocol
 
 import numpy as np
 
-from ..arrays import FloatArray, IntArray
+from ..arrays import FloatArray, IntArray, distinct
 from ..frozen import frozen
 from ..kernels.driver import Driver
 from ..kernels.linearization import Coupling, Linearization, Pattern
@@ -65,7 +65,7 @@ class DragInFlow:
     def wet(self) -> IntArray:
         """Nodes in the fluid, ascending, shape (W,)."""
         d = self.dofs.dimension
-        nodes: IntArray = np.unique(self.drag.loaded[:, ::d] // d)
+        nodes: IntArray = distinct(self.drag.loaded[:, ::d] // d)
         return nodes
 
     def refuse_infinite(self, q: FloatArray) -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ...arrays import BoolArray, FloatArray, IntArray
+from ...arrays import BoolArray, FloatArray, IntArray, distinct
 from ...errors import ScenarioError
 from ...frozen import frozen
 from ...mesh.measure import edge_lengths, triangle_areas
@@ -149,7 +149,7 @@ class Geometry:
     @property
     def on_shell(self) -> IntArray:
         """Nodes of the shells."""
-        return np.unique(self.triangles)
+        return distinct(self.triangles)
 
     @property
     def carries_shell(self) -> BoolArray:
@@ -207,7 +207,7 @@ def assemble_geometry(loaded: LoadedScenario) -> Geometry:
                 own[name] = np.flatnonzero(touching)
         for name, group in mesh.edge_groups.items():
             own[name] = group
-            node_groups.setdefault(f"{body.name}.{name}", np.unique(mesh.edges[group]) + n)
+            node_groups.setdefault(f"{body.name}.{name}", distinct(mesh.edges[group]) + n)
         edge_groups.update({f"{body.name}.{name}": e + group for name, group in own.items()})
         material = scenario.materials[body.material]
         if isinstance(body, Rod):

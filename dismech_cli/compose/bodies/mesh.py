@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ...arrays import IntArray
+from ...arrays import IntArray, distinct
 from ...frozen import frozen
 from ...mesh.mesh import Mesh
 from .placement import Placement
@@ -53,13 +53,13 @@ def part_of_file(
         edges: Indices of the wanted edges.
         triangles: Indices of the wanted triangles.
     """
-    used = np.unique(np.concatenate((mesh.edges[edges].reshape(-1), mesh.triangles[triangles].reshape(-1))))
+    used = distinct(np.concatenate((mesh.edges[edges].reshape(-1), mesh.triangles[triangles].reshape(-1))))
     place = np.full(len(mesh.nodes), -1)
     place[used] = np.arange(len(used))
     node_groups = {name: place[group] for name, group in mesh.node_groups.items()}
     for name, group in mesh.triangle_groups.items():
         if len(triangles):
-            node_groups.setdefault(name, place[np.unique(mesh.triangles[group])])
+            node_groups.setdefault(name, place[distinct(mesh.triangles[group])])
     part = Mesh(
         nodes=place_nodes(mesh.nodes[used]),
         edges=place[mesh.edges[edges]],

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...arrays import BoolArray, FloatArray, IntArray
+from ...arrays import BoolArray, FloatArray, IntArray, distinct
 from ...frozen import frozen
 from ...mesh.measure import edge_lengths
 from ...mesh.topology.sides import half_edges, rim_sides
@@ -39,10 +39,10 @@ def sheet_of(geometry: Geometry, name: str, where: IntArray | None) -> Sheet:
     """A shell by name, only the nodes ``where`` of which may be joined."""
     number = [shell.name for shell in geometry.shells].index(name)
     triangles = geometry.triangles[geometry.triangle_shell == number]
-    nodes = np.unique(triangles)
+    nodes = distinct(triangles)
     if where is not None:
         nodes = np.intersect1d(nodes, where)
-    sides = np.unique(_keys(geometry, half_edges(triangles)))
+    sides = distinct(_keys(geometry, half_edges(triangles)))
     return Sheet(name, number, nodes, rim_sides(triangles), sides)
 
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from ...arrays import IntArray
+from ...arrays import IntArray, distinct
 from ...scenario.load import LoadedScenario
 from ...scenario.text.tree import KeyPath
 from ...scenario.values.selection import (
@@ -76,7 +76,7 @@ def select_nodes(geometry: Geometry, where: Selection) -> IntArray:
             found = np.array([np.argmin(np.linalg.norm(geometry.nodes - point, axis=1))])
     if found.size == 0:
         raise SelectionError("selects no node")
-    return np.unique(found)
+    return distinct(found)
 
 
 def select_edges(geometry: Geometry, where: Selection) -> IntArray:
@@ -96,7 +96,7 @@ def select_edges(geometry: Geometry, where: Selection) -> IntArray:
             found = edges_among(geometry, select_nodes(geometry, where))
     if found.size == 0:
         raise SelectionError("selects no edge")
-    return np.unique(found)
+    return distinct(found)
 
 
 def select_single_node(geometry: Geometry, where: Selection) -> IntArray:

@@ -9,7 +9,7 @@ from typing import Protocol
 
 import numpy as np
 
-from ...arrays import FloatArray, IntArray
+from ...arrays import FloatArray, IntArray, distinct
 from ...errors import MeshError
 from ...frozen import frozen
 from ...mesh.allowed import Allowed
@@ -122,7 +122,7 @@ def shell_mesh(shell: Source, directory: Path) -> BodyMesh:
 
 def _named(name: str, sides: IntArray) -> dict[str, IntArray]:
     """The group of the nodes of sides, if there are any."""
-    return {name: np.unique(sides)} if sides.size else {}
+    return {name: distinct(sides)} if sides.size else {}
 
 
 def _read(source: SurfaceFile, directory: Path) -> BodyMesh:

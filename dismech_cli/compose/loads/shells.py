@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from ...arrays import FloatArray, IntArray
+from ...arrays import FloatArray, IntArray, distinct
 from ...mesh.measure import edge_lengths, nodal_areas, nodal_lengths
 from ...mesh.topology.shells import rims
 from ...mesh.topology.sides import half_edges, side_counts
@@ -94,7 +94,7 @@ def thrust(scene: Scene, structure: Structure, place: Place, force: Thrust) -> I
     # shared by mass, so that the thrust itself accelerates the bell without squeezing it
     mass = nodal_mass(geometry, dofs.n_nodes, structure.payload)
     shares = np.zeros(dofs.n_nodes)
-    bell = np.unique(triangles)
+    bell = distinct(triangles)
     shares[bell] = mass[bell]
     nodes = np.zeros((dofs.n_nodes, 3))
     nodes[: len(geometry.nodes)] = geometry.nodes

@@ -8,7 +8,7 @@ from typing import assert_never
 
 import numpy as np
 
-from ...arrays import IntArray
+from ...arrays import IntArray, distinct
 from ...frozen import frozen
 from ...laws.laws import Law
 from ...scenario.language.motion import Clamp, Motion, Pin, Symmetry, Twist
@@ -120,7 +120,7 @@ class _Around:
     def touching(self, nodes: IntArray) -> IntArray:
         """Edges with an end at one of some nodes, each once, ascending."""
         none = np.empty(0, dtype=np.int64)
-        return np.unique(
+        return distinct(
             np.concatenate((none, *(self.ends[self.starts[k] : self.starts[k + 1]] for k in nodes)))
         )
 
@@ -203,7 +203,7 @@ def _at_nodes(hold: Hold, scene: Scene, around: _Around, index: int) -> Hold:
     lonely = np.setdiff1d(_lonely(hold, around), around.on_shell)
     degree = around.degree(lonely)
     at_hub = degree > 2
-    at_hub[at_hub] = [len(np.unique(ends[around.edges == node])) == 1 for node in lonely[at_hub]]
+    at_hub[at_hub] = [len(distinct(ends[around.edges == node])) == 1 for node in lonely[at_hub]]
     crowded = lonely[(degree != 1) & ~at_hub]
     if crowded.size:
         raise scene.error(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...arrays import FloatArray, IntArray
+from ...arrays import FloatArray, IntArray, distinct
 from ...frozen import frozen
 from ...mesh.measure import edge_lengths
 from ..bodies.geometry import Geometry
@@ -73,7 +73,7 @@ def make_skeleton(geometry: Geometry, holds: tuple[Hold, ...]) -> Skeleton:
         rigid[hold.rigid] = True
     hubs = hubs_of(geometry)
     members = members_of(geometry, hubs)
-    walls = np.unique(np.concatenate([np.empty(0, dtype=np.int64), *(h.walls for h in holds)]))
+    walls = distinct(np.concatenate([np.empty(0, dtype=np.int64), *(h.walls for h in holds)]))
     edge, side = _ends_at(geometry, walls)
     first, first_side = _first_of(members)
     owners, sides = np.concatenate((edge, first)), np.concatenate((side, first_side))

@@ -7,7 +7,7 @@ from dataclasses import field
 
 import numpy as np
 
-from ...arrays import FloatArray, IntArray
+from ...arrays import FloatArray, IntArray, distinct
 from ...errors import MeshError
 from ...frozen import frozen
 from ..allowed import Allowed
@@ -78,7 +78,7 @@ def mesh_of_cells(
     side = _sides(edges, triangles)
     if side.any():
         told.append(f"{int(side.sum())} lines along triangle sides taken as boundaries, not as rods.")
-    node_groups = {name: np.unique(edges[np.isin(line, group)]) for name, group in polylines.groups.items()}
+    node_groups = {name: distinct(edges[np.isin(line, group)]) for name, group in polylines.groups.items()}
     kept = np.flatnonzero(~side)
     mesh = Mesh(
         nodes=nodes,

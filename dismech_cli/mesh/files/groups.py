@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from ...arrays import IntArray
+from ...arrays import IntArray, distinct
 
 
 class GroupBuilder:
@@ -24,5 +24,5 @@ class GroupBuilder:
     def build(self) -> dict[str, IntArray]:
         """Return the groups, leaving out empty ones."""
         return {
-            name: np.unique(np.array(found, dtype=np.int64)) for name, found in self._members.items() if found
+            name: distinct(np.array(found, dtype=np.int64)) for name, found in self._members.items() if found
         }

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ...arrays import FloatArray, IntArray
+from ...arrays import FloatArray, IntArray, distinct
 from ...errors import MeshError
 from ...file_text import decode
 from ..allowed import PLAIN, Allowed
@@ -110,7 +110,7 @@ def _joined(corners: FloatArray, groups: dict[str, IntArray] | None = None) -> t
     mesh = Mesh(
         nodes=nodes,
         triangles=triangles,
-        node_groups={name: np.unique(triangles[group]) for name, group in found.items()},
+        node_groups={name: distinct(triangles[group]) for name, group in found.items()},
         triangle_groups=found,
         notes=(f"{gone} {what} with two corners at one place left out.",) if gone else (),
     )

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...arrays import FloatArray
+from ...arrays import FloatArray, distinct
 from ...errors import MeshError
 from ..mesh import Mesh
 from ..validate import validate
@@ -107,11 +107,11 @@ def _joined(mesh: Mesh, along: FloatArray, angle: float, where: str) -> Mesh:
         )
     target = np.arange(len(mesh.nodes))
     target[last] = first
-    kept = np.unique(target)
+    kept = distinct(target)
     number = np.zeros(len(target), dtype=np.int64)
     number[kept] = np.arange(len(kept))
     number = number[target]
-    names = {name: np.unique(number[group]) for name, group in groups.items()}
+    names = {name: distinct(number[group]) for name, group in groups.items()}
     names["rim"] = np.union1d(names["left"], names["right"])
     closed = replace(mesh, nodes=mesh.nodes[kept], triangles=number[mesh.triangles], node_groups=names)
     return validate(closed, where)

@@ -6,7 +6,7 @@ from enum import Enum
 
 import numpy as np
 
-from ...arrays import IntArray
+from ...arrays import IntArray, distinct
 from ...errors import MeshError
 from ...frozen import frozen
 from .components import components
@@ -133,7 +133,7 @@ def chains(n_nodes: int, edges: IntArray) -> tuple[Chain, ...]:
     for members in np.split(by_piece, np.flatnonzero(np.diff(piece[by_piece])) + 1):
         own = edges[members]
         if degree[own].max() > 2:
-            found.append(Chain(kind=ChainKind.NETWORK, nodes=np.unique(own), edges=members))
+            found.append(Chain(kind=ChainKind.NETWORK, nodes=distinct(own), edges=members))
         elif (own[1:, 0] == own[:-1, 1]).all():
             found.append(_listed_in_order(own, members))
         else:
@@ -174,7 +174,7 @@ class _Meetings:
 
 def _walked(own: IntArray, degree: IntArray, meetings: _Meetings) -> Chain:
     """A chain of edges that are listed in any order and direction."""
-    nodes = np.unique(own)
+    nodes = distinct(own)
     ends = nodes[degree[nodes] == 1]
     walk_nodes, walk_edges = _walk(meetings, *_first(meetings, (ends if len(ends) else nodes[:1]).tolist()))
     if len(ends):

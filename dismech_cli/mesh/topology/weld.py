@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...arrays import BoolArray, FloatArray, IntArray
+from ...arrays import BoolArray, FloatArray, IntArray, distinct
 from ...errors import MeshError
 from ..limits import MAX_COORDINATE
 from ..mesh import Mesh
@@ -42,7 +42,7 @@ def weld_nodes(mesh: Mesh, within: float, where: str) -> tuple[Mesh, BoolArray]:
         mesh,
         edges=first[mesh.edges],
         triangles=first[mesh.triangles],
-        node_groups={name: np.unique(first[group]) for name, group in mesh.node_groups.items()},
+        node_groups={name: distinct(first[group]) for name, group in mesh.node_groups.items()},
         notes=(*mesh.notes, note),
     )
     return welded, gone
