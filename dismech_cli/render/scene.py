@@ -92,7 +92,10 @@ class Scene:
         if self._floor is not None:
             part = self._shade(part, where)
         picture = self._blank.copy()
-        picture[where] = _without_paper(part, self._paper) if self._blank.shape[2] == 4 else part[..., :3]
+        shown = _without_paper(part, self._paper) if self._blank.shape[2] == 4 else part
+        # rows of bytes go faster than three bytes at a time
+        for channel in range(picture.shape[2]):
+            picture[where][..., channel] = shown[..., channel]
         return picture
 
     def close(self) -> None:
