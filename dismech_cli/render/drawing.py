@@ -17,6 +17,7 @@ import numpy as np
 from ..errors import RenderError
 from . import child
 from .job import Job
+from .pipes import widen
 from .probe import RendererName, find_renderer
 from .settings import Image
 
@@ -102,6 +103,8 @@ class _Worker:
             stderr=errors,
         )
         assert self._process.stdin is not None
+        assert self._process.stdout is not None
+        widen(self._process.stdout)
         try:
             with self._process.stdin:
                 self._process.stdin.write(job.to_json().encode())

@@ -17,6 +17,7 @@ import numpy as np
 
 from ..errors import RenderError
 from ..output.durable import output_errors, staged
+from .pipes import widen
 from .settings import Image
 
 Take: TypeAlias = Callable[[Image], None]
@@ -74,6 +75,7 @@ def mp4_file(output: Path, size: tuple[int, int], fps: float) -> Iterator[Take]:
         )
         pipe = encoder.stdin
         assert pipe is not None
+        widen(pipe)
 
         def take(image: Image) -> None:
             # An encoder that stopped early says why at its end.
