@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 
 from ..arrays import FloatArray
-from .replay import Replay
+from .replay import Replay, rows_of
 
 # Stencils per call: temporaries of a chunk stay in the second-level cache.
-_CHUNK = 2048
+_CHUNK: Final = 2048
+
+# So often a kernel runs as it stands: to take down its calls costs as much as it saves in twenty runs.
+_FEW: Final = 4
 
 
 class Batches:
@@ -24,6 +28,7 @@ class Batches:
             function: Arrays to results, each a number, an array or a tuple of these.
         """
         self._function = function
+        self._runs: defaultdict[int, int] = defaultdict(int)
         self._replays: dict[int, Replay] = {}
 
     def evaluate(self, wanted: tuple[int, ...], out: Sequence[FloatArray], *given: FloatArray) -> None:
@@ -34,16 +39,20 @@ class Batches:
             out: An array for each of them, shape (rows, S).
             given: Arguments of the kernel, each of shape (rows, S).
         """
-        count = given[0].shape[1]
-        for start in range(0, count, _CHUNK):
-            chunk = slice(start, min(start + _CHUNK, count))
-            replay = self._of(chunk.stop - start, given)
-            for target, source in zip(replay.inputs, given, strict=True):
-                target[:] = source[:, chunk]
-            for whole, rows in zip(out, replay.run(wanted), strict=True):
+        for start in range(0, given[0].shape[1], _CHUNK):
+            chunk = slice(start, start + _CHUNK)
+            results = self._run(wanted, [one[:, chunk] for one in given])
+            for whole, rows in zip(out, results, strict=True):
                 np.concatenate(rows, out=whole[:, chunk])
 
-    def _of(self, width: int, given: Sequence[FloatArray]) -> Replay:
-        if width not in self._replays:
+    def _run(self, wanted: tuple[int, ...], given: Sequence[FloatArray]) -> Sequence[Sequence[FloatArray]]:
+        """Arrays (k, S) of each result that is wanted, one below the other."""
+        width = given[0].shape[1]
+        replay = self._replays.get(width)
+        if replay is not None:
+            return replay.run(wanted, given)
+        self._runs[width] += 1
+        if self._runs[width] > _FEW:
             self._replays[width] = Replay(self._function, [len(one) for one in given], width)
-        return self._replays[width]
+        results = self._function(*given)
+        return [rows_of(results[place], width) for place in wanted]

@@ -56,7 +56,7 @@ class NumpyStencilLoop:
         dofs: IntArray,
         auxiliaries: IntArray,
         pattern: Pattern,
-        finish: Callable[[FloatArray], FloatArray] = lambda packed: packed,
+        finish: Callable[[FloatArray], None] = lambda packed: None,
     ) -> None:
         """Find out what goes where.
 
@@ -65,7 +65,7 @@ class NumpyStencilLoop:
             dofs: Global DOFs of each stencil, shape (S, D).
             auxiliaries: Places of its auxiliary inputs, shape (S, A).
             pattern: Where tangent entries go.
-            finish: What is made of the packed Hessians before they go there, shape (R (R + 1)/2, S).
+            finish: Changes the packed Hessians before they go there, shape (R (R + 1)/2, S).
         """
         count, packed = len(dofs), kernel.reduced * (kernel.reduced + 1) // 2
         angles = kernel.dimension * kernel.nodes + np.arange(kernel.angles)
@@ -105,8 +105,9 @@ class NumpyStencilLoop:
         self._batches.evaluate(
             (1, 2), (self._gradient, self._hessian), *self._gathered(q, auxiliary), parameters
         )
+        self._finish(self._hessian)
         self._add_gradient(into.residual)
-        into.stiffness += self._to_values @ self._finish(self._hessian).reshape(-1)
+        into.stiffness += self._to_values @ self._hessian.reshape(-1)
 
     def _gathered(self, q: FloatArray, auxiliary: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Edge vectors and angles, put in place, and auxiliary inputs of the stencils."""

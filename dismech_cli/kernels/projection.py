@@ -48,12 +48,11 @@ def clamped(packed: FloatArray, order: int) -> FloatArray:
     return out
 
 
-def _in_place(packed: FloatArray, order: int) -> FloatArray:
-    """The matrices given, clamped, some at a time."""
+def _clamp(packed: FloatArray, order: int) -> None:
+    """Set negative eigenvalues to zero in place, of some matrices at a time."""
     for start in range(0, packed.shape[1], _CHUNK):
         chunk = packed[:, start : start + _CHUNK]
         chunk[:] = clamped(chunk, order)
-    return packed
 
 
 @frozen
@@ -107,7 +106,7 @@ class ProjectedDriver:
         """Loop of an energy kernel."""
         return ProjectedLoop(
             self.driver.stencil(kernel, dofs, auxiliaries, pattern),
-            NumpyStencilLoop(kernel, dofs, auxiliaries, pattern, partial(_in_place, order=kernel.reduced)),
+            NumpyStencilLoop(kernel, dofs, auxiliaries, pattern, partial(_clamp, order=kernel.reduced)),
         )
 
     def drag(self, kernel: DragKernel, dofs: IntArray, pattern: Pattern) -> DragLoop:

@@ -10,16 +10,18 @@ an energy alone needs a quarter. They do the same operations, to the last bit.
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
-from math import prod
-from typing import Any, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.lib.mixins import NDArrayOperatorsMixin
 from numpy.typing import NDArray
 
 from ..arrays import FloatArray
+
+# Up to this width NumPy takes longer for a row with several rows than for repeating it first.
+_NARROW: Final = 512
 
 
 class _Call(NamedTuple):
@@ -31,7 +33,7 @@ class _Call(NamedTuple):
         run: Makes it again.
     """
 
-    reads: tuple[int, ...]
+    reads: Sequence[int]
     writes: int
     run: Callable[[], Any]
 
@@ -41,10 +43,12 @@ class _Record:
 
     Attributes:
         calls: In order.
+        repeated: Rows that were repeated, by where they are and how often.
     """
 
     def __init__(self) -> None:
         self.calls: list[_Call] = []
+        self.repeated: dict[tuple[int, ...], _Value] = {}
         self._values = 0
         # of values that nobody holds any more, by shape and type
         self._spare: defaultdict[tuple[Any, ...], list[NDArray[Any]]] = defaultdict(list)
@@ -71,19 +75,21 @@ class _Owner:
         record: Where it is taken down.
         array: Of the whole value.
         number: Tells it from others that have the array before and after it.
+        writes: How often it was written to.
     """
 
-    __slots__ = ("array", "number", "record")
+    __slots__ = ("array", "number", "record", "writes")
 
     def __init__(self, record: _Record, array: NDArray[Any]) -> None:
-        self.record, self.array, self.number = record, array, record.number()
+        self.record, self.array, self.number, self.writes = record, array, record.number(), 0
 
     def __del__(self) -> None:
         self.record.give_back(self.array)
 
-    def take_down(self, reads: Sequence[_Value], run: Callable[[], Any]) -> None:
-        """A call that writes to it."""
-        self.record.calls.append(_Call(tuple(one.owner.number for one in reads), self.number, run))
+    def take_down(self, reads: Sequence[int], run: Callable[[], Any]) -> None:
+        """A call that writes to it, and the numbers of the values that the call reads."""
+        self.writes += 1
+        self.record.calls.append(_Call(reads, self.number, run))
 
 
 class _Value(NDArrayOperatorsMixin):
@@ -137,7 +143,9 @@ class _Value(NDArrayOperatorsMixin):
         assert axis == 0
         made = self.owner.record.value(self.array.take(rows, axis=0))
         # mode="clip" lets NumPy gather without a second array; all rows are there
-        made.owner.take_down((self,), partial(self.array.take, np.asarray(rows), 0, made.array, "clip"))
+        made.owner.take_down(
+            (self.owner.number,), partial(self.array.take, np.asarray(rows), 0, made.array, "clip")
+        )
         return made
 
     def __pow__(self, exponent: Any) -> _Value:
@@ -150,10 +158,21 @@ class _Value(NDArrayOperatorsMixin):
 
     def __array_ufunc__(self, ufunc: Any, method: str, *given: Any, out: Any = None) -> _Value:
         assert method == "__call__"
+        shape = np.broadcast(*_given(given)[1]).shape
+        if len(shape) == 2 and shape[1] <= _NARROW:
+            given = tuple(one.repeated(shape[0]) if _is_row(one) else one for one in given)
         reads, arrays = _given(given)
         (made,) = (self.owner.record.value(ufunc(*arrays)),) if out is None else out
         made.owner.take_down(reads, partial(ufunc, *arrays, made.array))
         return made
+
+    def repeated(self, count: int) -> _Value:
+        """A row so many times, as long as it is the same."""
+        owner, repeated = self.owner, self.owner.record.repeated
+        place = (owner.number, owner.writes, self.array.__array_interface__["data"][0], count)
+        if place not in repeated:
+            repeated[place] = self.reshape(1, -1).take(np.zeros(count, dtype=np.int64))
+        return repeated[place]
 
     def _noted(self, function: Callable[..., Any], given: Sequence[Any]) -> _Value:
         """What a function makes that takes no array to write to."""
@@ -168,30 +187,32 @@ class _Value(NDArrayOperatorsMixin):
         return _Value(self.owner, array)
 
 
-def _given(given: Sequence[Any]) -> tuple[tuple[_Value, ...], tuple[NDArray[Any], ...]]:
-    """The values among what a call is given, and all of that as arrays."""
-    values = tuple(one for one in given if isinstance(one, _Value))
-    return values, tuple(one.array if isinstance(one, _Value) else np.asarray(one) for one in given)
+def _is_row(one: Any) -> bool:
+    return type(one) is _Value and one.array.ndim == 1
 
 
-class _Result(NamedTuple):
-    """Rows of a result.
+def _given(given: Sequence[Any]) -> tuple[list[int], list[NDArray[Any]]]:
+    """Numbers of the values among what a call is given, and all of that as arrays."""
+    numbers, arrays = [], []
+    for one in given:
+        if type(one) is _Value:
+            numbers.append(one.owner.number)
+            arrays.append(one.array)
+        else:
+            arrays.append(np.asarray(one))
+    return numbers, arrays
 
-    Attributes:
-        numbers: Of the values that they are of.
-        rows: Each (k, S).
-    """
 
-    numbers: frozenset[int]
-    rows: tuple[FloatArray, ...]
+def rows_of(result: Any, width: int) -> tuple[NDArray[Any], ...]:
+    """A result of a kernel as arrays (k, S), one below the other; for values those that they stand for."""
+    parts = result if isinstance(result, tuple) else (result,)
+    arrays = (one.array if isinstance(one, _Value) else one for one in parts)
+    full = (one if isinstance(one, np.ndarray) else np.full(width, one) for one in arrays)
+    return tuple(one.reshape(-1, width) for one in full)
 
 
 class Replay:
-    """A kernel on batches of one width; what it makes is overwritten by the next run.
-
-    Attributes:
-        inputs: Where its arguments are put, each (rows, S).
-    """
+    """A kernel on batches of one width."""
 
     def __init__(self, function: Callable[..., Any], rows: Sequence[int], width: int) -> None:
         """Take a kernel down.
@@ -203,24 +224,27 @@ class Replay:
         """
         record = _Record()
         values = [record.value(np.ones((count, width))) for count in rows]
-        self.inputs = tuple(value.array for value in values)
+        self._inputs = [value.array for value in values]
         with np.errstate(all="ignore"):
             results = function(*values)
-        self._results = [_result(one, width) for one in results]
+        self._results = [(_numbers(one), rows_of(one, width)) for one in results]
         self._calls = record.calls
+        record.repeated.clear()
         self._needed: dict[tuple[int, ...], list[Callable[[], Any]]] = {}
 
-    def run(self, wanted: tuple[int, ...]) -> Iterator[tuple[FloatArray, ...]]:
-        """Some results by their places, each in arrays (k, S) one below the other."""
+    def run(self, wanted: tuple[int, ...], given: Sequence[FloatArray]) -> list[tuple[NDArray[Any], ...]]:
+        """Arrays (k, S) of some results, one below the other, which the next run overwrites."""
+        for target, source in zip(self._inputs, given, strict=True):
+            target[:] = source
         if wanted not in self._needed:
             self._needed[wanted] = self._only(wanted)
         for call in self._needed[wanted]:
             call()
-        return (self._results[place].rows for place in wanted)
+        return [self._results[place][1] for place in wanted]
 
     def _only(self, wanted: tuple[int, ...]) -> list[Callable[[], Any]]:
         """The calls that some results need, in order."""
-        needed = {number for place in wanted for number in self._results[place].numbers}
+        needed = {number for place in wanted for number in self._results[place][0]}
         kept = []
         for reads, writes, run in reversed(self._calls):
             if writes in needed:
@@ -229,8 +253,7 @@ class Replay:
         return kept[::-1]
 
 
-def _result(result: Any, width: int) -> _Result:
+def _numbers(result: Any) -> list[int]:
+    """Those of the values of a result."""
     parts = result if isinstance(result, tuple) else (result,)
-    numbers = frozenset(one.owner.number for one in parts if isinstance(one, _Value))
-    rows = (one.array if isinstance(one, _Value) else np.full(width, one) for one in parts)
-    return _Result(numbers, tuple(one.reshape(prod(one.shape[:-1]), width) for one in rows))
+    return [one.owner.number for one in parts if isinstance(one, _Value)]

@@ -37,12 +37,14 @@ def _rows(results: Any, count: int) -> list[FloatArray]:
     return [np.stack([np.broadcast_to(row, count) for row in one]) for one in parts]
 
 
+@pytest.mark.parametrize("few", [0, 1, 100])
 @pytest.mark.parametrize("name", KERNELS)
-def test_results_are_those_of_the_kernel(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_results_are_those_of_the_kernel(name: str, few: int, monkeypatch: pytest.MonkeyPatch) -> None:
     kernel, count = KERNELS[name], 7
     given = _arguments(kernel, count)
     expected = _rows(kernel.function(*(one.copy() for one in given)), count)
     monkeypatch.setattr(batches, "_CHUNK", 3)
+    monkeypatch.setattr(batches, "_FEW", few)
     run = Batches(kernel.function)
     places = tuple(range(len(expected)))
     for wanted in (places, *((place,) for place in places), places):
@@ -56,9 +58,8 @@ def test_results_are_those_of_the_kernel(name: str, monkeypatch: pytest.MonkeyPa
 def test_frames_are_those_of_the_kernel(kernel: Any, rows: int) -> None:
     x = np.random.default_rng(8).normal(size=(rows, 5))
     (expected,) = _rows((kernel(x),), 5)
-    out = np.empty_like(expected)
-    Batches(lambda x: (kernel(x),)).evaluate((0,), (out,), x)
-    assert_array_equal(out, expected)
+    (out,) = Replay(lambda x: (kernel(x),), [rows], 5).run((0,), (x,))
+    assert_array_equal(np.concatenate(out), expected)
 
 
 def test_what_results_do_not_need_is_not_done() -> None:
@@ -68,12 +69,11 @@ def test_what_results_do_not_need_is_not_done() -> None:
 
     x = np.array([[4.0, 9.0]])
     whole = Replay(squared, [1], 2)
-    whole.inputs[0][:] = x
-    (square,), (slope,) = whole.run((0, 1))
+    (square,), (slope,) = whole.run((0, 1), (x,))
     assert_array_equal(square, x * x)
     assert_array_equal(slope, 2.0 * x**1.5)
     slope[:] = np.nan
-    ((square,),) = whole.run((0,))
+    ((square,),) = whole.run((0,), (x,))
     assert_array_equal(square, x * x)
     assert np.isnan(slope).all()
 
@@ -96,10 +96,8 @@ def test_operators_are_those_of_arrays() -> None:
 
     x = np.random.default_rng(9).uniform(size=(3, 4))
     expected = _rows(kernel(x.copy()), 4)
-    out = [np.empty_like(one) for one in expected]
-    Batches(kernel).evaluate(tuple(range(6)), out, x)
-    for one, other in zip(out, expected, strict=True):
-        assert_array_equal(one, other)
+    for one, other in zip(Replay(kernel, [3], 4).run(tuple(range(6)), (x,)), expected, strict=True):
+        assert_array_equal(np.concatenate(one), other)
 
 
 def test_data_change_no_call() -> None:
@@ -118,8 +116,19 @@ def test_arrays_serve_again() -> None:
         return (x,)
 
     sum_of = Replay(added, [1], 4)
+    ((out,),) = sum_of.run((0,), (np.ones((1, 4)),))
+    assert_array_equal(out, np.full((1, 4), 101.0))
     targets = {id(call.run.args[-1]) for call in sum_of._calls}  # type: ignore[attr-defined]
     assert len(targets) == 2
-    sum_of.inputs[0][:] = 1.0
-    ((out,),) = sum_of.run((0,))
-    assert_array_equal(out, np.full((1, 4), 101.0))
+
+
+def test_rows_are_repeated_as_they_are_then() -> None:
+    def kernel(x: Any) -> Any:
+        row = x[0] + x[1]
+        first = row * x
+        row += x[2]
+        return first, row * x, x * row
+
+    x = np.random.default_rng(10).normal(size=(3, 5))
+    for one, other in zip(Replay(kernel, [3], 5).run((0, 1, 2), (x,)), kernel(x), strict=True):
+        assert_array_equal(np.concatenate(one), other)
