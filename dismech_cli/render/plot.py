@@ -35,6 +35,8 @@ def plot_scalars(run_dir: Path, names: Sequence[str] | None = None, output: Path
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
+    from .plain_numbers import PlainNumbers
+
     with read(run_dir) as run:
         table, units = run.scalars, run.scalar_units
     known = [name for name in table if name != "t"]
@@ -60,7 +62,8 @@ def plot_scalars(run_dir: Path, names: Sequence[str] | None = None, output: Path
         panel.grid(color="#e3e9ef", linewidth=0.8)
         panel.set_axisbelow(True)
         panel.margins(x=0.01)
-        panel.ticklabel_format(axis="y", scilimits=(-3, 4), useMathText=True)
+        panel.yaxis.set_major_formatter(PlainNumbers())
+        panel.ticklabel_format(axis="y", scilimits=(-3, 4))
     for panel in panels[len(chosen) :]:
         panel.set_visible(False)
     for column in range(across):
