@@ -26,8 +26,9 @@ Take: TypeAlias = Callable[[Image], None]
 _OTHERWISE = "choose --format gif or png"
 _MISSING = f'mp4 needs an encoder: pip install "dismech[video]" (or {_OTHERWISE})'
 _PATIENCE = 60.0  # [s] for the first start of a program
-# Pictures of plain colours need no long look for what moved where: half the time of a preset that looks, at the
-# same quality. Files are as large for shells, and up to twice as large for rods, of which they hold little.
+# Pictures of plain colours need no long look for what moved where: this takes half the time of a preset
+# that looks, at the same quality. Films of shells are as large; those of rods, which are small, grow by half
+# to twice.
 _CODED = (
     "-preset",
     "ultrafast",
