@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..arrays import FloatArray, IntArray
+from ..arrays import FloatArray, IntArray, distinct
 from ..frozen import frozen
 from ..kinematics.dofs import DofMap
 from ..kinematics.motion import held_dofs
@@ -146,7 +146,7 @@ def _shapes(geometry: Geometry, system: System, vectors: FloatArray) -> list[Flo
 def _rigid(nodes: FloatArray, piece: IntArray, shape: FloatArray) -> bool:
     """Whether every piece moves or turns as a whole."""
     left = 0.0
-    for label in np.unique(piece):
+    for label in distinct(piece):
         mine = np.flatnonzero(piece == label)
         arms = nodes[mine] - nodes[mine].mean(axis=0)
         size = float(np.abs(arms).max()) or 1.0

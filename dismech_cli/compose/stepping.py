@@ -7,7 +7,7 @@ from math import inf
 
 import numpy as np
 
-from ..arrays import FloatArray
+from ..arrays import FloatArray, union
 from ..frozen import frozen
 from ..laws.laws import Law
 from ..model.model import Model
@@ -101,7 +101,7 @@ def _adaptive(
             Stops(pace, inf, np.array(samples))
             if smooth
             else Stops(
-                pace, every, np.union1d(samples, _asked(loaded, every, np.append(pace.events, samples)))
+                pace, every, union(np.array(samples), _asked(loaded, every, np.append(pace.events, samples)))
             )
         ),
         accuracy=Accuracy(norm, scheme, tolerance.rtol, t_end),

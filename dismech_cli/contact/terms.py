@@ -7,7 +7,7 @@ from typing import ClassVar, Protocol
 
 import numpy as np
 
-from ..arrays import FloatArray, IntArray
+from ..arrays import FloatArray, IntArray, distinct
 from ..kernels.linearization import Linearization, Pattern
 from ..model.configuration import Configuration
 from .drivers.loops import Loops
@@ -206,7 +206,7 @@ class MeasuredFriction(FullFriction):
             places = self._places[touching.kind]
             self._found.loops.add_general(touching, places, by_velocity, into.damping)
             points = touching.points
-            items = np.unique(points.item[(touching.friction > 0.0) & (points.load != 0.0)])
+            items = distinct(points.item[(touching.friction > 0.0) & (points.load != 0.0)])
             if len(items):
                 places.add(items, self._by_position(touching, items, x, v), into.stiffness)
 

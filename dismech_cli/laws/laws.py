@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Literal, Protocol, TypeAlias
 
 import numpy as np
 
-from ..arrays import FloatArray
+from ..arrays import FloatArray, distinct
 from ..errors import LawError, ScenarioError
 from ..frozen import frozen
 from .expression import VARIABLES, Compiled, compile_expression
@@ -35,7 +35,7 @@ class Law(Signal, Protocol):
 
 def _within(times: FloatArray, end: float) -> FloatArray:
     """The times between 0 and ``end``, once each and in order."""
-    return np.unique(times[(times > 0.0) & (times < end)])
+    return distinct(times[(times > 0.0) & (times < end)])
 
 
 def _no_kinks(law: Law, end: float) -> FloatArray:

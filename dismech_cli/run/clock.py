@@ -12,7 +12,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..arrays import FloatArray
+from ..arrays import FloatArray, union
 from ..frozen import frozen
 from ..model.saved import Arrays, Numbers
 from ..solve.step_result import StepResult
@@ -30,7 +30,7 @@ def time_grid(dt: float, t_end: float, events: tuple[float, ...] = ()) -> FloatA
         before = inside[np.clip(np.searchsorted(inside, times) - 1, 0, len(inside) - 1)]
         gap = np.minimum(np.abs(nearest - times), np.abs(before - times))
         gap[[0, -1]] = np.inf
-        times = np.union1d(times[gap > 1e-9 * dt], inside)
+        times = union(times[gap > 1e-9 * dt], inside)
     return times
 
 

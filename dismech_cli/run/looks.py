@@ -6,6 +6,8 @@ from typing import Protocol
 
 import numpy as np
 
+from ..arrays import union
+
 # Parts of a step at whose ends watched values are read: a swing of eight steps is seen to within 0.1 %.
 _PARTS = 4
 
@@ -42,7 +44,7 @@ def within(start: float, end: float, due: float, every: float) -> list[tuple[flo
     frames = due + every * np.arange(max(int((end - due) / every) + 2, 0))
     frames = frames[(frames > start + close) & (frames < end - close)]
     parts = np.linspace(start, end, _PARTS + 1)[1:-1]
-    inside = np.union1d(parts, frames)
+    inside = union(parts, frames)
     shown = np.isin(inside, frames).tolist()
     last = due + every * len(frames) <= end + close
     return [*zip(inside.tolist(), shown, strict=True), (end, last)]

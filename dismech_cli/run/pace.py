@@ -12,7 +12,7 @@ from math import inf
 
 import numpy as np
 
-from ..arrays import FloatArray
+from ..arrays import FloatArray, distinct, union
 from ..errors import LawError
 from ..frozen import frozen
 from ..laws.laws import Law
@@ -66,16 +66,16 @@ def find_pace(laws: Sequence[Law], more: Sequence[float], end: float) -> Pace:
         end: End of the run [s].
     """
     laws = [law for law in laws if not law.constant]
-    events = np.unique([*(t for t in more if 0.0 < t < end), end])
+    events = distinct(np.array([*(t for t in more if 0.0 < t < end), end]))
     for law in laws:
         kinks = law.kinks(end)
         if kinks.size <= _SIGNAL:
             # jumps a rounding apart are one
             apart = (np.abs(kinks[:, None] - events) > 1e-9 * end).all(axis=1)
-            events = np.union1d(events, kinks[apart])
+            events = union(events, kinks[apart])
     close = 1e-6 * end
     beside = np.concatenate([events - close, events + close])
-    times = np.unique(np.clip(np.concatenate([np.linspace(0.0, end, _LOOKS), beside]), 0.0, end))
+    times = distinct(np.clip(np.concatenate([np.linspace(0.0, end, _LOOKS), beside]), 0.0, end))
     steps = np.zeros(len(times) - 1)
     for law in laws:
         steps = np.maximum(steps, _changes(law, times))

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from ...arrays import distinct
 from .contradictions import Loose
 from .geometry import Geometry, Joined, ShellWeld
 from .named import Apart, Pair
@@ -65,7 +66,7 @@ def released_within(geometry: Geometry, loose: Sequence[Loose]) -> Iterator[Join
 
 def _passing(geometry: Geometry, turning: Turning, a: int, b: int) -> tuple[str, ...]:
     """Which of bending and twist pass between the edges at two nodes."""
-    first, second = (np.unique(turning.ends[geometry.edges == node]) for node in (a, b))
+    first, second = (distinct(turning.ends[geometry.edges == node]) for node in (a, b))
     if not len(first) or not len(second):
         return ()
     one, other = (grid.reshape(-1) for grid in np.meshgrid(first, second))

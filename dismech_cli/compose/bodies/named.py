@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from ...arrays import IntArray
+from ...arrays import IntArray, without
 from ...frozen import frozen
 from ...mesh.measure import edge_lengths
 from ...mesh.topology.sides import half_edges
@@ -104,7 +104,7 @@ def _two_nodes(apart: Apart, index: int) -> tuple[int, int]:
     a, b = apart.node(*path, 0), apart.node(*path, 1)
     if a == b:
         gaps = np.linalg.norm(nodes - nodes[a], axis=1)
-        others = np.setdiff1d(np.flatnonzero(gaps <= apart.near), [a])
+        others = without(np.flatnonzero(gaps <= apart.near), np.array([a]))
         if len(others) != 1:
             raise apart.loaded.error(
                 path, f"both select one node, and {len(others)} others are at its place; expected one"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...arrays import BoolArray, FloatArray, IntArray, distinct
+from ...arrays import BoolArray, FloatArray, IntArray, distinct, shared, without
 from ...frozen import frozen
 from ...mesh.measure import edge_lengths
 from ...mesh.topology.sides import half_edges, rim_sides
@@ -41,7 +41,7 @@ def sheet_of(geometry: Geometry, name: str, where: IntArray | None) -> Sheet:
     triangles = geometry.triangles[geometry.triangle_shell == number]
     nodes = distinct(triangles)
     if where is not None:
-        nodes = np.intersect1d(nodes, where)
+        nodes = shared(nodes, where)
     sides = distinct(_keys(geometry, half_edges(triangles)))
     return Sheet(name, number, nodes, rim_sides(triangles), sides)
 
@@ -121,7 +121,7 @@ def _across(sides: IntArray, image: IntArray, known: IntArray, count: int) -> tu
 
 def _hanging(nodes: FloatArray, sides: IntArray, other: Sheet, tied: IntArray) -> bool:
     """Whether the other sheet has a node within one of the sides."""
-    inside = nodes[np.setdiff1d(other.nodes, tied)]
+    inside = nodes[without(other.nodes, tied)]
     for a, b in nodes[sides]:
         along = b - a
         t = (inside - a) @ along / (along @ along)

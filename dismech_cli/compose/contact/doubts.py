@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ...arrays import FloatArray
+from ...arrays import FloatArray, distinct
 from ...contact.contact import DEEPEST, Contact
 from ...contact.nearby.neighbours import Neighbours
 from ...frozen import frozen
@@ -71,7 +71,7 @@ def start_doubts(scene: Scene, structure: Structure, contact: Contact) -> Iterat
     thickness = 2.0 * contact.lines.radii
     for wall in contact.walls:
         depth = np.maximum(wall.lines.radii - wall.gaps(x, 0.0), 0.0)
-        for label in np.unique(wall.labels).tolist():
+        for label in distinct(wall.labels).tolist():
             mine = wall.labels == label
             share = float((depth / thickness[wall.numbers])[mine].max(initial=0.0))
             if share > contact.rule.tolerance * (1.0 + ROUNDING):
@@ -94,14 +94,14 @@ def _bodies_within(scene: Scene, contact: Contact, found: Neighbours, x: FloatAr
     names, bodies, radii = contact.lines.names, contact.lines.bodies, contact.lines.radii
     if len(found.tight):
         pairs = found.pairs(found.tight)
-        for body in np.unique(bodies[pairs[:, 0]]).tolist():
+        for body in distinct(bodies[pairs[:, 0]]).tolist():
             nearest = float(found.tight_reach[bodies[pairs[:, 0]] == body].min())
             yield scene.loaded.warning(("contact",), nearer_than_thick(names[body], nearest))
     near = found.search(x, 0.0)
     shares = (found.reach(near) - found.distances(x, near)) / radii[near].sum(axis=1)
     labels = found.labels[bodies[near[:, 0]], bodies[near[:, 1]]]
     deep = shares > contact.rule.tolerance * (1.0 + ROUNDING)
-    for label in np.unique(labels[deep]).tolist():
+    for label in distinct(labels[deep]).tolist():
         share = float(shares[deep & (labels == label)].max())
         one, other = contact.pairs[label]
         yield scene.loaded.warning(("contact",), starts_within(one, other, share))

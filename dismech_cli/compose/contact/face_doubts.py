@@ -7,7 +7,7 @@ from functools import partial
 
 import numpy as np
 
-from ...arrays import FloatArray, IntArray
+from ...arrays import FloatArray, IntArray, distinct
 from ...contact.contact import Contact
 from ...contact.crossing import crossings
 from ...contact.nearby.faces import Faces
@@ -67,7 +67,7 @@ def _crossed(contact: Contact) -> Iterator[tuple[int, Crossed]]:
     if faces is None:
         return
     nodes, bodies = faces.lines.nodes, faces.lines.bodies
-    for label in np.unique(faces.labels[faces.labels >= 0]).tolist():
+    for label in distinct(faces.labels[faces.labels >= 0]).tolist():
         passes = tuple(
             (nodes[bodies == line], faces.surface.nodes[faces.surface.bodies == face])
             for line, face in np.argwhere(faces.labels == label).tolist()
@@ -78,7 +78,7 @@ def _crossed(contact: Contact) -> Iterator[tuple[int, Crossed]]:
 def face_doubts(scene: Scene, contact: Contact, faces: Faces, x: FloatArray) -> Iterator[str]:
     """Bodies that start within shells, through them, or nearer to themselves than they are thick."""
     names = contact.lines.names
-    for body in np.unique(contact.lines.bodies[np.isfinite(faces.own_reach)]).tolist():
+    for body in distinct(contact.lines.bodies[np.isfinite(faces.own_reach)]).tolist():
         nearest = float(faces.own_reach[contact.lines.bodies == body].min())
         yield scene.loaded.warning(("contact",), nearer_than_thick(names[body], nearest))
     for label, crossed in _crossed(contact):
@@ -89,7 +89,7 @@ def face_doubts(scene: Scene, contact: Contact, faces: Faces, x: FloatArray) -> 
     shares = (faces.reach(pairs) - distance) / faces.thickness(pairs)
     labels = faces.labels[faces.bodies(pairs)]
     deep = shares > contact.rule.tolerance * (1.0 + ROUNDING)
-    for label in np.unique(labels[deep]).tolist():
+    for label in distinct(labels[deep]).tolist():
         share = float(shares[deep & (labels == label)].max())
         one, other = contact.pairs[label]
         yield scene.loaded.warning(("contact",), starts_within(one, other, share))

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ...arrays import FloatArray, IntArray
+from ...arrays import FloatArray, IntArray, union
 from ...contact.guards.eased import eased
 from ...contact.guards.guarded import Pairing, RodEdges
 from ...contact.guards.guarded_sheets import SheetEdges, SheetNodes
@@ -82,4 +82,4 @@ def _sheets(faces: Faces, sides: IntArray) -> Iterator[Pairing]:
     nodes = SheetNodes(faces, ends, nothing, own_reach)
     excluded = nodes.keys(lines.nodes[near[:, 0]], near[:, 1][:, None])
     corners = nodes.keys(faces.surface.nodes, np.arange(len(sides))[:, None])
-    yield SheetNodes(faces, ends, np.union1d(excluded, corners), own_reach)
+    yield SheetNodes(faces, ends, union(excluded, corners), own_reach)

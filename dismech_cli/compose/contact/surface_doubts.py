@@ -7,7 +7,7 @@ from functools import partial
 
 import numpy as np
 
-from ...arrays import FloatArray, IntArray
+from ...arrays import FloatArray, IntArray, distinct
 from ...contact.contact import Contact
 from ...contact.crossing import crossings
 from ...contact.obstacles.pose import Pose
@@ -148,11 +148,11 @@ def surface_doubts(scene: Scene, contact: Contact, x: FloatArray) -> Iterator[st
     for wall, surface, solid in _surfaces(scene, contact):
         lines, pose = wall.lines.nodes, wall.obstacle.pose
         through = Pierced(wall.map, lines, surface, pose).count(x, 0.0) > 0.0
-        for label in np.unique(wall.labels[through]).tolist():
+        for label in distinct(wall.labels[through]).tolist():
             yield scene.loaded.warning(("contact",), starts_through(*contact.pairs[label]))
         if not solid:
             continue
-        for label in np.unique(wall.labels).tolist():
+        for label in distinct(wall.labels).tolist():
             nodes = _of_each_part(lines[wall.labels == label])
             if Swallowed(wall.map, nodes, surface, pose).count(x, 0.0).any():
                 body, obstacle = contact.pairs[label]

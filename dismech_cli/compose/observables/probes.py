@@ -6,7 +6,7 @@ from operator import attrgetter
 
 import numpy as np
 
-from ...arrays import IntArray
+from ...arrays import IntArray, union
 from ...run.observables import probes
 from ...scenario.language.probe import (
     BendProbe,
@@ -136,7 +136,7 @@ def _held_with(scene: Scene, structure: Structure, nodes: IntArray) -> IntArray:
     """Nodes and, where they are all that a clamp names, the rest of what it holds: the far end of an edge."""
     for index, hold in enumerate(structure.holds):
         if hold.nodes.size and np.isin(scene.places.nodes(("motions", index, "where")), nodes).all():
-            nodes = np.union1d(nodes, hold.nodes)
+            nodes = union(nodes, hold.nodes)
     return nodes
 
 

@@ -7,7 +7,7 @@ from itertools import combinations
 
 import numpy as np
 
-from ...arrays import FloatArray, IntArray
+from ...arrays import FloatArray, IntArray, median
 from ...mesh.measure import corner_angles
 from ...mesh.suspects import suspects
 from ...scenario.language.motion import Clamp
@@ -83,7 +83,7 @@ def unevenness(nodes: FloatArray, triangles: IntArray) -> float:
     count, of the root mean square over corners.
     """
     square = ((np.degrees(corner_angles(nodes, triangles)) - 60.0) ** 2).mean(axis=0)
-    return float(np.median(np.sqrt(square)))
+    return median(np.sqrt(square))
 
 
 def _single_rows(scene: Scene, holds: tuple[Hold, ...]) -> Iterator[str]:

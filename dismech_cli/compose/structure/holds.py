@@ -8,7 +8,7 @@ from typing import assert_never
 
 import numpy as np
 
-from ...arrays import IntArray, distinct
+from ...arrays import IntArray, distinct, shared, union, without
 from ...frozen import frozen
 from ...laws.laws import Law
 from ...scenario.language.motion import Clamp, Motion, Pin, Symmetry, Twist
@@ -192,7 +192,7 @@ def _mirror_axis(scene: Scene, index: int, motion: Symmetry) -> int:
 def _at_edges(hold: Hold, around: _Around) -> Hold:
     """A clamp of edges: a lone node takes the next along its rod with it, the peers' two-node clamp."""
     beside = around.touching(_lonely(hold, around))
-    hold = replace(hold, nodes=np.union1d(hold.nodes, around.edges[beside]))
+    hold = replace(hold, nodes=union(hold.nodes, around.edges[beside]))
     return replace(hold, edges=around.inside(hold.nodes), sloped=hold.nodes)
 
 
@@ -200,7 +200,7 @@ def _at_nodes(hold: Hold, scene: Scene, around: _Around, index: int) -> Hold:
     """A clamp at its nodes: behind a lone rod end stands a wall."""
     inside, ends = around.inside(hold.nodes), scene.geometry.turning.ends
     # at a shell a rod is hinged: its direction stays free
-    lonely = np.setdiff1d(_lonely(hold, around), around.on_shell)
+    lonely = without(_lonely(hold, around), around.on_shell)
     degree = around.degree(lonely)
     at_hub = degree > 2
     at_hub[at_hub] = [len(distinct(ends[around.edges == node])) == 1 for node in lonely[at_hub]]
@@ -213,7 +213,7 @@ def _at_nodes(hold: Hold, scene: Scene, around: _Around, index: int) -> Hold:
         )
     beside = around.touching(lonely[at_hub])
     at_hubs = ends[beside][np.isin(around.edges[beside], lonely[at_hub])]
-    turned = np.intersect1d(np.concatenate((ends[inside].reshape(-1), at_hubs)), around.hubs)
+    turned = shared(np.concatenate((ends[inside].reshape(-1), at_hubs)), around.hubs)
     if turned.size and not vanishes(hold.twist):
         raise scene.error(
             ("motions", index, "twist"), "turns a joint of three edges and more, which has no one axis"
@@ -223,4 +223,4 @@ def _at_nodes(hold: Hold, scene: Scene, around: _Around, index: int) -> Hold:
 
 def _lonely(hold: Hold, around: _Around) -> IntArray:
     """Nodes held without a neighbour, ascending."""
-    return np.setdiff1d(hold.nodes, around.edges[around.inside(hold.nodes)])
+    return without(hold.nodes, around.edges[around.inside(hold.nodes)])

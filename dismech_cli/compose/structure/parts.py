@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ...arrays import FloatArray, IntArray
+from ...arrays import FloatArray, IntArray, shared
 from ...frozen import frozen
 from ...mesh.topology.components import components
 from ...mesh.topology.sides import half_edges
@@ -124,7 +124,7 @@ def _held_motions(geometry: Geometry, holds: tuple[Hold, ...], nodes: IntArray, 
     size = float(np.linalg.norm(geometry.nodes[nodes] - middle, axis=1).max())
     rows: list[FloatArray] = []
     for hold in holds:
-        held = np.intersect1d(hold.nodes, nodes)
+        held = shared(hold.nodes, nodes)
         arms = (geometry.nodes[held] - middle) / size
         for axis in hold.axes:
             unit = np.eye(3)[axis]
@@ -139,7 +139,7 @@ def _held_motions(geometry: Geometry, holds: tuple[Hold, ...], nodes: IntArray, 
 def _held_turning(geometry: Geometry, hold: Hold, held: IntArray) -> Iterator[FloatArray]:
     """Rows of the rotations that a hold of the held nodes prevents by itself."""
     still = np.zeros((3, 3))
-    at_walls = np.isin(geometry.edges, np.intersect1d(hold.walls, held)).any(axis=1)
+    at_walls = np.isin(geometry.edges, shared(hold.walls, held)).any(axis=1)
     at_hubs = np.isin(geometry.turning.ends, hold.hubs) & np.isin(geometry.edges, held)
     if at_walls.any() or at_hubs.any() or np.isin(geometry.edges[hold.edges], held).all(axis=1).any():
         yield np.hstack((still, np.eye(3)))
@@ -148,7 +148,7 @@ def _held_turning(geometry: Geometry, hold: Hold, held: IntArray) -> Iterator[Fl
             continue
         triangles = geometry.triangles[geometry.triangle_shell == k]
         sides = half_edges(triangles)
-        sides = sides[np.isin(sides, np.intersect1d(hold.sloped, held)).all(axis=1)]
+        sides = sides[np.isin(sides, shared(hold.sloped, held)).all(axis=1)]
         if len(sides):
             # the normal at a side does not turn about it
             directions = geometry.nodes[sides[:, 1]] - geometry.nodes[sides[:, 0]]

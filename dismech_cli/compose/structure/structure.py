@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...arrays import FloatArray
+from ...arrays import FloatArray, median
 from ...frozen import frozen
 from ...kernels.driver import Driver
 from ...kinematics.dofs import DofMap
@@ -105,4 +105,4 @@ def typical_length(scene: Scene, structure: Structure) -> float:
     geometry = scene.geometry
     bodies = structure.shell_edges.bodies.values()
     sides = [edge_lengths(geometry.nodes, body.topology.edges) for body in bodies]
-    return float(np.median(np.concatenate((geometry.lengths, *sides))))
+    return median(np.concatenate((geometry.lengths, *sides)))

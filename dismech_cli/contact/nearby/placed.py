@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from ...arrays import IntArray
+from ...arrays import IntArray, union
 from ...model.term import Memory
 from .candidates import among
 
@@ -46,7 +46,7 @@ class Placed:
     def detect(self, touching: IntArray, near: Callable[[], IntArray]) -> bool:
         """Give places to all pairs nearby if one that touches has none; whether they are others now."""
         if not among(touching, self.keys).all():
-            self._take(np.union1d(near(), self.keys))
+            self._take(union(near(), self.keys))
         changed = self._changed
         self._changed = False
         return changed

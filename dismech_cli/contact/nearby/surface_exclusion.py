@@ -7,7 +7,7 @@ from math import pi
 
 import numpy as np
 
-from ...arrays import FloatArray, IntArray
+from ...arrays import FloatArray, IntArray, distinct, union
 from .candidates import among
 from .faces import Faces
 
@@ -35,7 +35,7 @@ def with_exclusions(faces: Faces, x: FloatArray, line_pairs: IntArray, sides: In
     counts = np.diff(first)[both[:, 1]]
     start = np.repeat(first[both[:, 1]] - np.cumsum(counts) + counts, counts)
     triangle = order[start + np.arange(len(start))] // 3
-    near = np.unique(faces.keys(np.column_stack((np.repeat(both[:, 0], counts), triangle))))
+    near = distinct(faces.keys(np.column_stack((np.repeat(both[:, 0], counts), triangle))))
     found = replace(faces, excluded=near)
     thick = float(faces.lines.radii.max() + faces.surface.halves.max())
     around = found.search(x, (0.5 * pi - 1.0) * thick)
@@ -61,8 +61,8 @@ def _grown(faces: Faces, near: IntArray, around: IntArray) -> IntArray:
         return out
 
     while len(around):
-        joined = among(corners(around), np.unique(corners(near))).any(axis=1)
+        joined = among(corners(around), distinct(corners(near))).any(axis=1)
         if not joined.any():
             break
-        near, around = np.union1d(near, around[joined]), around[~joined]
+        near, around = union(near, around[joined]), around[~joined]
     return near

@@ -12,7 +12,7 @@ from functools import partial
 
 import numpy as np
 
-from ...arrays import FloatArray
+from ...arrays import FloatArray, distinct
 from ...model.term import Memory
 from ..gather.source import Depths
 from ..gather.stencils import Stencils
@@ -36,7 +36,7 @@ class AnchoredWall:
             length: Way on which friction becomes full [m].
         """
         self._near, self._wall, self._length = NearWall(wall), wall, length
-        self._nodes = np.unique(wall.lines.nodes)
+        self._nodes = distinct(wall.lines.nodes)
         self._name = f"contact.anchors.{wall.obstacle.name}"
         self._ways: FloatArray = np.zeros((len(self._nodes), 3))
         self._places: FloatArray | None = None

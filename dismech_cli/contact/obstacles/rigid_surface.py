@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from ...arrays import FloatArray, IntArray
+from ...arrays import FloatArray, IntArray, distinct
 from ...frozen import frozen
 from ..pieces.cores import beside, facing_node
 from ..pieces.facing_triangle import facing
@@ -79,7 +79,7 @@ class RigidSurface:
         sizes = np.sqrt((out * out).sum(axis=2).max(axis=1))
         classes = np.floor(np.log(sizes / sizes.min()) / np.log(_CLASS) + 1e-9).astype(np.int64)
         groups = []
-        for one in np.unique(classes).tolist():
+        for one in distinct(classes).tolist():
             own = np.flatnonzero(classes == one)
             groups.append(Group(own, KDTree(middles[own]), float(sizes[own].max())))
         return cls(vertices, triangles, half, corners.min(axis=1), corners.max(axis=1), tuple(groups))

@@ -14,7 +14,7 @@ from typing import Protocol
 
 import numpy as np
 
-from ...arrays import FloatArray, IntArray
+from ...arrays import FloatArray, IntArray, without
 from ...model.term import Memory
 from ..gather.source import Depths, Source
 from ..gather.stencils import Stencils
@@ -176,7 +176,7 @@ class AnchoredPairs:
     def _handed_on(self, rows: IntArray, ways: FloatArray) -> Anchors:
         """Anchors of some of the pairs that have places, and of all pairs beside them."""
         placed = self._pairs.placed
-        others = np.setdiff1d(np.arange(len(placed)), rows)
+        others = without(np.arange(len(placed)), rows)
         faced, line = self._pairs.faced_nodes(placed[:, 1]), self._pairs.line_nodes(placed[:, 0])
         found, missing = [(rows, ways)], others
         # of the same line first; of the line beside it, which has an end in common, as far as its middle is

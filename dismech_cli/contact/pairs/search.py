@@ -6,7 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from ...arrays import FloatArray, IntArray
+from ...arrays import FloatArray, IntArray, distinct
 from ..drivers.loops import Loops
 from ..nearby.neighbours import Neighbours
 
@@ -34,7 +34,7 @@ class Search:
     def __init__(self, neighbours: Neighbours, loops: Loops) -> None:
         self.neighbours, self.loops = neighbours, loops
         self._thick = 2.0 * float(neighbours.lines.radii[neighbours.numbers].max(initial=0.0))
-        self._used = np.unique(neighbours.lines.nodes[neighbours.numbers])
+        self._used = distinct(neighbours.lines.nodes[neighbours.numbers])
         self.skin = SKIN * self._thick
         self._searched: FloatArray | None = None
         self.candidates: IntArray = np.empty((0, 2), dtype=np.int64)

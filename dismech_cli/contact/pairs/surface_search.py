@@ -6,7 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from ...arrays import FloatArray, IntArray
+from ...arrays import FloatArray, IntArray, union
 from ...frozen import frozen
 from ..drivers.loops import Loops, Near
 from ..nearby.faces import Faces
@@ -95,7 +95,7 @@ class FaceSearch:
             float(faces.lines.radii[faces.numbers].min(initial=np.inf) + faces.surface.halves.min()),
         )
         self._most = max(_AHEAD * self._thick, _HALF * float(np.median(faces.lines.lengths[faces.numbers])))
-        self._used = np.union1d(faces.lines.nodes[faces.numbers], faces.surface.nodes)
+        self._used = union(faces.lines.nodes[faces.numbers], faces.surface.nodes)
         self.candidates = Candidates.of(faces, np.empty(0, dtype=np.int64))
         self.skin = 0.0
         self._searched: FloatArray | None = None

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...arrays import FloatArray, distinct
+from ...arrays import FloatArray, distinct, union
 from ...errors import MeshError
 from ..mesh import Mesh
 from ..validate import validate
@@ -112,6 +112,6 @@ def _joined(mesh: Mesh, along: FloatArray, angle: float, where: str) -> Mesh:
     number[kept] = np.arange(len(kept))
     number = number[target]
     names = {name: distinct(number[group]) for name, group in groups.items()}
-    names["rim"] = np.union1d(names["left"], names["right"])
+    names["rim"] = union(names["left"], names["right"])
     closed = replace(mesh, nodes=mesh.nodes[kept], triangles=number[mesh.triangles], node_groups=names)
     return validate(closed, where)
