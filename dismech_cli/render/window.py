@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import sys
 from typing import Any
 
@@ -14,7 +15,7 @@ from .settings import Image, Rgb
 # Drawing at twice the size and averaging smooths edges with four samples for each pixel; in software
 # rendering this takes half the time of VTK's own SSAA and FXAA passes, and of its multisampling.
 OVERSAMPLING = 2
-_COARSE = 16  # pixels of the window for one of the look at what is empty
+_COARSE = 16  # pixels of the window for one of the look at what is empty, and more than half a line
 
 
 class Window:
@@ -98,18 +99,35 @@ class Window:
         from PIL import Image as Pillow
 
         self._window.Render()
+        up, across = self._reach()
         back = 0
-        self._window.GetRGBACharPixelData(0, 0, self._width - 1, self._height - 1, back, self._colors, 0)
+        self._window.GetRGBACharPixelData(
+            across.start, up.start, across.stop - 1, up.stop - 1, back, self._colors, 0
+        )
         # rows come from the foot of the picture
-        whole = _values(self._colors).reshape(self._height, self._width, 4)
-        rows, columns = _filled(whole)
+        width = across.stop - across.start
+        read = _values(self._colors).reshape(up.stop - up.start, width, 4)
+        rows, columns = _filled(read)
         count = rows.stop - rows.start
         # as CMYK, Pillow averages four channels without a thought for what they mean
-        strip = Pillow.frombuffer("CMYK", (self._width, count), whole[rows].reshape(-1), "raw", "CMYK", 0, -1)
-        height, k = self._height // self._oversampling, self._oversampling
-        place = slice(height - rows.stop // k, height - rows.start // k)
+        strip = Pillow.frombuffer("CMYK", (width, count), read[rows].reshape(-1), "raw", "CMYK", 0, -1)
+        k = self._oversampling
         part = strip.reduce(k, (columns.start, 0, columns.stop, count))
-        return np.asarray(part), (place, slice(columns.start // k, columns.stop // k))
+        left, foot = across.start + columns.start, self._height - up.start - rows.start
+        place = slice((foot - count) // k, foot // k)
+        return np.asarray(part), (place, slice(left // k, left // k + part.width))
+
+    def _reach(self) -> tuple[slice, slice]:
+        """Rows from the foot of the window and columns that hold all that stands on the stage."""
+        bounds = np.reshape(self.renderer.ComputeVisiblePropBounds(), (3, 2))
+        corners = np.array([*itertools.product(*bounds, (1.0,))])
+        matrix = self._camera.GetCompositeProjectionTransformMatrix(self._width / self._height, -1.0, 1.0)
+        seen = corners @ np.reshape(matrix.GetData(), (4, 4)).T
+        if (seen[:, 3] <= 0.0).any():
+            # something is behind the eye
+            return slice(0, self._height), slice(0, self._width)
+        across, up = 0.5 + 0.5 * seen[:, :2].T / seen[:, 3]
+        return _around(up * self._height, self._height), _around(across * self._width, self._width)
 
     def depths(self, where: tuple[slice, slice], stride: int) -> FloatArray:
         """Distances from the plane of the eye in a part of the picture, infinite where nothing is drawn.
@@ -140,6 +158,13 @@ def _values(array: Any) -> NDArray[Any]:
 
     see: Any = numpy_support.vtk_to_numpy
     return np.asarray(see(array))
+
+
+def _around(places: FloatArray, last: int) -> slice:
+    """From the first to the last of these, of ``last``, and a little more for the width of lines."""
+    low, high = places.min() // _COARSE - 1, places.max() // _COARSE + 2
+    start = int(np.clip(low * _COARSE, 0, last - _COARSE))
+    return slice(start, int(np.clip(high * _COARSE, start + _COARSE, last)))
 
 
 def _filled(whole: Image) -> tuple[slice, slice]:
