@@ -39,11 +39,19 @@ class Batches:
             out: An array for each of them, shape (rows, S).
             given: Arguments of the kernel, each of shape (rows, S).
         """
-        for start in range(0, given[0].shape[1], _CHUNK):
+        count = given[0].shape[1]
+        if 0 < count <= _CHUNK:
+            self._evaluate(wanted, out, given)
+            return
+        for start in range(0, count, _CHUNK):
             chunk = slice(start, start + _CHUNK)
-            results = self._run(wanted, [one[:, chunk] for one in given])
-            for whole, rows in zip(out, results, strict=True):
-                np.concatenate(rows, out=whole[:, chunk])
+            self._evaluate(wanted, [one[:, chunk] for one in out], [one[:, chunk] for one in given])
+
+    def _evaluate(
+        self, wanted: tuple[int, ...], out: Sequence[FloatArray], given: Sequence[FloatArray]
+    ) -> None:
+        for target, rows in zip(out, self._run(wanted, given), strict=True):
+            np.concatenate(rows, out=target)
 
     def _run(self, wanted: tuple[int, ...], given: Sequence[FloatArray]) -> Sequence[Sequence[FloatArray]]:
         """Arrays (k, S) of each result that is wanted, one below the other."""

@@ -65,7 +65,7 @@ class Column:
 
 
 def create_column(
-    group: Any, name: str, rows: int, tail: tuple[int, ...] = (), dtype: str = "f8", **attributes: str
+    group: Any, name: str, rows: int, tail: tuple[int, ...] = (), dtype: str = "f8", **attributes: str | int
 ) -> Column:
     """Make an empty growing dataset whose chunk holds one frame (several, when a frame is tiny).
 
@@ -77,19 +77,27 @@ def create_column(
         dtype: NumPy type code.
         **attributes: Attributes such as ``units`` and ``long_name``.
     """
+    # The low-level calls take a third of the time of ``create_dataset`` and ``attrs[...] =``.
+    import h5py
+    from h5py import h5a, h5d, h5p, h5s, h5t
+
     frame_bytes = max(rows, 1) * int(np.prod(tail, dtype=np.int64)) * np.dtype(dtype).itemsize
     per_chunk = max(1, _SMALLEST_CHUNK // max(frame_bytes, 1))
-    dataset = group.create_dataset(
-        name,
-        shape=(0, *tail),
-        maxshape=(None, *tail),
-        # A dimension of a chunk must not be zero, even where the row is empty.
-        chunks=(max(rows, 1) * per_chunk, *(max(size, 1) for size in tail)),
-        dtype=dtype,
+    links = h5p.create(h5p.LINK_CREATE)
+    links.set_create_intermediate_group(True)
+    storage = h5p.create(h5p.DATASET_CREATE)
+    # A dimension of a chunk must not be zero, even where the row is empty.
+    storage.set_chunk((max(rows, 1) * per_chunk, *(max(size, 1) for size in tail)))
+    storage.set_obj_track_times(False)
+    space = h5s.create_simple((0, *tail), (h5s.UNLIMITED, *tail))
+    handle = h5d.create(
+        group.id, name.encode(), h5t.py_create(np.dtype(dtype)), space, dcpl=storage, lcpl=links
     )
-    for key, text in attributes.items():
-        dataset.attrs[key] = text
-    return open_column(dataset, rows)
+    for key, told in attributes.items():
+        value = np.array(told, dtype=h5py.string_dtype() if isinstance(told, str) else np.int64)
+        kind = h5t.py_create(value.dtype, logical=True)
+        h5a.create(handle, key.encode(), kind, h5s.create(h5s.SCALAR)).write(value)
+    return open_column(h5py.Dataset(handle), rows)
 
 
 def open_column(dataset: Any, rows: int) -> Column:

@@ -7,7 +7,7 @@ step point to it. Reference: VTK File Formats, "VTKHDF format specification", ve
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -28,7 +28,7 @@ _KINDS = ("Vertices", "Lines", "Polygons", "Strips")
 Value = Callable[[Frame, int], ArrayLike]
 """What a column stores for a frame and its row number."""
 
-ColumnPlan = tuple[str, int, tuple[int, ...], str, dict[str, str], Value]
+ColumnPlan = tuple[str, int, tuple[int, ...], str, Mapping[str, str | int], Value]
 """Path, rows per frame, shape of a row, type, attributes, value."""
 
 

@@ -58,9 +58,6 @@ class Hdf5Writer:
             for group in ("dismech/state", "dismech/scalars"):
                 self._file.require_group(group)
             self._columns = vtkhdf.create_columns(self._file, _plan(topology))
-            for group, names in (("state", topology.state), ("scalars", topology.scalars)):
-                for order, name in enumerate(names):
-                    self._file[f"dismech/{group}/{name}"].attrs["order"] = order
             self._file.flush()
 
     def _reopen(self, topology: Topology, resume_at: float) -> None:
