@@ -43,12 +43,12 @@ class _Record:
 
     Attributes:
         calls: In order.
-        repeated: Rows that were repeated, by where they are and how often.
+        derived: Rows that were repeated or negated, by where they are and how often.
     """
 
     def __init__(self) -> None:
         self.calls: list[_Call] = []
-        self.repeated: dict[tuple[int, ...], _Value] = {}
+        self.derived: dict[tuple[int, ...], _Value] = {}
         self._values = 0
         # of values that nobody holds any more, by shape and type
         self._spare: defaultdict[tuple[Any, ...], list[NDArray[Any]]] = defaultdict(list)
@@ -76,18 +76,21 @@ class _Owner:
         array: Of the whole value.
         number: Tells it from others that have the array before and after it.
         writes: How often it was written to.
+        shared: Whether a kernel may have it twice, and must not change it.
     """
 
-    __slots__ = ("array", "number", "record", "writes")
+    __slots__ = ("array", "number", "record", "shared", "writes")
 
     def __init__(self, record: _Record, array: NDArray[Any]) -> None:
-        self.record, self.array, self.number, self.writes = record, array, record.number(), 0
+        self.record, self.array, self.number = record, array, record.number()
+        self.writes, self.shared = 0, False
 
     def __del__(self) -> None:
         self.record.give_back(self.array)
 
     def take_down(self, reads: Sequence[int], run: Callable[[], Any]) -> None:
         """A call that writes to it, and the numbers of the values that the call reads."""
+        assert not self.shared, "a kernel changes a number that it has twice"
         self.writes += 1
         self.record.calls.append(_Call(reads, self.number, run))
 
@@ -166,13 +169,21 @@ class _Value(NDArrayOperatorsMixin):
         made.owner.take_down(reads, partial(ufunc, *arrays, made.array))
         return made
 
+    def __neg__(self) -> _Value:
+        return self._derived(0, lambda: np.negative(self)) if _is_row(self) else np.negative(self)
+
     def repeated(self, count: int) -> _Value:
-        """A row so many times, as long as it is the same."""
-        owner, repeated = self.owner, self.owner.record.repeated
+        """A row so many times."""
+        return self._derived(count, lambda: self.reshape(1, -1).take(np.zeros(count, dtype=np.int64)))
+
+    def _derived(self, count: int, make: Callable[[], _Value]) -> _Value:
+        """What is made of a row, once as long as that is the same."""
+        owner, derived = self.owner, self.owner.record.derived
         place = (owner.number, owner.writes, self.array.__array_interface__["data"][0], count)
-        if place not in repeated:
-            repeated[place] = self.reshape(1, -1).take(np.zeros(count, dtype=np.int64))
-        return repeated[place]
+        if place not in derived:
+            derived[place] = make()
+            derived[place].owner.shared = True
+        return derived[place]
 
     def _noted(self, function: Callable[..., Any], given: Sequence[Any]) -> _Value:
         """What a function makes that takes no array to write to."""
@@ -229,7 +240,7 @@ class Replay:
             results = function(*values)
         self._results = [(_numbers(one), rows_of(one, width)) for one in results]
         self._calls = record.calls
-        record.repeated.clear()
+        record.derived.clear()
         self._needed: dict[tuple[int, ...], list[Callable[[], Any]]] = {}
 
     def run(self, wanted: tuple[int, ...], given: Sequence[FloatArray]) -> list[tuple[NDArray[Any], ...]]:

@@ -100,9 +100,18 @@ def test_operators_are_those_of_arrays() -> None:
         assert_array_equal(np.concatenate(one), other)
 
 
+def _changing(x: Any) -> Any:
+    """Minus a row is one array, however often it is asked for."""
+    less = -x[0]
+    less += -x[0]
+    return (less,)
+
+
 def test_data_change_no_call() -> None:
     with pytest.raises(TypeError, match="branches on data"):
         Replay(lambda x: (x if x[0] > 0.0 else -x,), [1], 1)
+    with pytest.raises(AssertionError, match="has twice"):
+        Replay(_changing, [2], 3)
     with pytest.raises(AssertionError, match="indexes stencils"):
         Replay(lambda x: (x[[0, 1]],), [2], 3)
 
