@@ -36,8 +36,7 @@ def joint_angles(positions: FloatArray, nodes: IntArray) -> FloatArray:
 
 
 def material_curvatures(
-    positions: FloatArray,
-    nodes: IntArray,
+    binormal: FloatArray,
     auxiliary: FloatArray,
     indices: IntArray,
     signs: FloatArray,
@@ -47,15 +46,13 @@ def material_curvatures(
     """Integrated material curvatures kappa_1, kappa_2 of each joint, shape (2, J).
 
     Args:
-        positions: Space positions [m], shape (N, 3).
-        nodes: Node triples, shape (J, 3).
+        binormal: Integrated curvature binormals, shape (J, 3).
         auxiliary: Auxiliary array of the trial frames.
         indices: Places of m1e, m2e, m1f, m2f in it, shape (J, 12).
         signs: Walking directions, shape (J, 2).
         twist: Twist of the directors of f against those of e [rad], shape (J,).
         rest_twist: The same at rest, shape (J,).
     """
-    e, f = _edge_vectors(positions, nodes)
     a = auxiliary[indices.T]
     d1, d2, _, _ = joint_directors(
         a[0:3],
@@ -66,7 +63,7 @@ def material_curvatures(
         np.cos(rest_twist),
         np.sin(rest_twist),
     )
-    slopes = curvature_slopes(edge_pair(e, f)[5], d1, d2)
+    slopes = curvature_slopes(binormal.T, d1, d2)
     return np.stack((-2.0 * slopes[1], 2.0 * slopes[0]))
 
 

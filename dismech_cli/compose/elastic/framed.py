@@ -9,7 +9,7 @@ import numpy as np
 from ...arrays import FloatArray, IntArray
 from ...energies.bend_twist import BEND_TWIST
 from ...kinematics.rod_frames import RodFrames
-from ...kinematics.strains import material_curvatures
+from ...kinematics.strains import curvature_binormal, material_curvatures
 from ...model.stencil import StencilEnergy
 from ..scene import Scene
 from ..structure.joints import Joints
@@ -37,9 +37,8 @@ def framed_bending(
     places = frames.director_places(j.pairs).reshape(-1, 12)
     trial = frames.transport(frames.rest(rest), rest)
     rest_twist = trial.state.reference_twist
-    curvature = material_curvatures(
-        skeleton.positions, j.triples, trial.auxiliary, places, j.signs, rest_twist, rest_twist
-    )
+    binormal = curvature_binormal(skeleton.positions, j.triples)
+    curvature = material_curvatures(binormal, trial.auxiliary, places, j.signs, rest_twist, rest_twist)
     torsion = rest_twist.copy()
     for index in range(len(scene.geometry.rods)):
         members = j.rod == index

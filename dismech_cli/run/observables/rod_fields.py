@@ -9,7 +9,7 @@ import numpy as np
 
 from ...arrays import FloatArray, IntArray
 from ...frozen import frozen
-from ...kinematics.strains import curvature_binormal, material_curvatures
+from ...kinematics.strains import material_curvatures
 from ...mesh.measure import edge_lengths
 from ...output.frame import FieldSpec
 from ...output.viewer import DISPLACEMENT
@@ -83,7 +83,7 @@ class CurvatureField:
 
     def __call__(self, s: Snapshot) -> FloatArray:
         """Values (N,)."""
-        density = np.linalg.norm(curvature_binormal(s.positions, self.triples), axis=1) / self.voronoi
+        density = np.linalg.norm(s.binormals(self.triples), axis=1) / self.voronoi
         nodes = np.concatenate((self.triples[:, 1], self.corners.nodes))
         return _largest_at(nodes, np.concatenate((density, self.corners.curvature(s))), self.visible)
 
@@ -141,7 +141,7 @@ class BinormalCurvatures:
 
     def __call__(self, s: Snapshot) -> FloatArray:
         """Values (1, J)."""
-        kb = curvature_binormal(s.positions, self.triples)
+        kb = s.binormals(self.triples)
         kappa = np.linalg.norm(kb, axis=1) if self.normal is None else kb @ self.normal
         # one row of natural strain, or none
         moments: FloatArray = self.stiffness * (kappa - s.natural(self.energy).sum(axis=0))
@@ -173,8 +173,7 @@ class MaterialCurvatures:
     def __call__(self, s: Snapshot) -> FloatArray:
         """Values (2, J)."""
         kappa = material_curvatures(
-            s.positions,
-            self.triples,
+            s.binormals(self.triples),
             s.frames.auxiliary,
             self.places,
             self.signs,

@@ -7,9 +7,10 @@ from dataclasses import dataclass
 from functools import cached_property
 from math import isfinite
 
-from ...arrays import FloatArray
+from ...arrays import FloatArray, IntArray
 from ...kinematics.dofs import DofMap
 from ...kinematics.rod_frames import TrialFrames
+from ...kinematics.strains import curvature_binormal
 from ...model.model import Model
 from ...model.state import State
 from ...model.touch import Touch
@@ -48,6 +49,16 @@ class Snapshot:
     def positions(self) -> FloatArray:
         """Space positions of all nodes [m], walls included, shape (n_nodes, 3)."""
         return self.dofs.space_positions(self.state.q)
+
+    def binormals(self, triples: IntArray) -> FloatArray:
+        """Integrated curvature binormals (J, 3) of joints (J, 3), which fields of the same joints share."""
+        if id(triples) not in self._binormals:
+            self._binormals[id(triples)] = curvature_binormal(self.positions, triples)
+        return self._binormals[id(triples)]
+
+    @cached_property
+    def _binormals(self) -> dict[int, FloatArray]:
+        return {}
 
     @cached_property
     def velocities(self) -> FloatArray:
