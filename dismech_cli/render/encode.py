@@ -64,8 +64,14 @@ def require_encoder() -> str:
 
 
 @contextmanager
-def mp4_file(output: Path, size: tuple[int, int], fps: float) -> Iterator[Take]:
+def mp4_file(output: Path, size: tuple[int, int], fps: float, threads: int = 1) -> Iterator[Take]:
     """Encode RGB pictures as H.264, playable in browsers and slides.
+
+    Args:
+        output: The file.
+        size: Width and height of the pictures [pixel].
+        fps: Pictures per second.
+        threads: That encode, each for some more work in all.
 
     Raises:
         RenderError: If there is no encoder, or it fails.
@@ -73,7 +79,7 @@ def mp4_file(output: Path, size: tuple[int, int], fps: float) -> Iterator[Take]:
     """
     program = require_encoder()
     raw = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{size[0]}x{size[1]}", "-r", f"{fps:.6f}"]
-    coded = ["-an", "-vcodec", "libx264", "-pix_fmt", "yuv420p", *_CODED]
+    coded = ["-an", "-vcodec", "libx264", "-pix_fmt", "yuv420p", "-threads", str(threads), *_CODED]
     with staged(output) as temporary, output_errors(output), tempfile.TemporaryFile() as said:
         # A place where nothing can be written is told by the system, not by the encoder's log.
         temporary.touch()

@@ -16,7 +16,7 @@ from ..output.durable import output_errors
 from ..output.read import read
 from ..output.run_directory import RENDER_FOLDER
 from .coloring import Field, stored_field
-from .drawing import draw
+from .drawing import draw, processes_for
 from .encode import Take, gif_file, gif_rate, mp4_file, require_encoder, write_png
 from .framing import frame_motion
 from .job import Job
@@ -153,7 +153,9 @@ def _check(settings: Settings, wanted: Wanted) -> None:
 def _opened(format: Format, files: list[Path], job: Job, wanted: Wanted) -> AbstractContextManager[Take]:
     match format:
         case "mp4":
-            return mp4_file(files[0], job.settings.size, wanted.fps)
+            # as many threads encode as processes draw
+            threads = processes_for(len(job.shots))
+            return mp4_file(files[0], job.settings.size, wanted.fps, threads)
         case "gif":
             return gif_file(files[0], job.settings.size, gif_rate(wanted.fps))
         case "png":
