@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 from scipy.sparse import csr_matrix
 
 from ..arrays import FloatArray, IntArray
+from .batches import Batches
 from .linearization import Linearization, Pattern
 from .shape import RateKernel
 
@@ -18,6 +22,8 @@ class NumpyRateLoop:
 
     def __init__(self, kernel: RateKernel, dofs: IntArray, auxiliaries: IntArray, pattern: Pattern) -> None:
         self._kernel, self._dofs, self._auxiliaries = kernel, dofs, auxiliaries
+        # strain by strain
+        self._batches = [Batches(_of(kernel, unit)) for unit in np.eye(kernel.strains).tolist()]
         # y = B q of each stencil
         self._reduction = kernel.elastic.reduction
         row, column, index, factor = kernel.tangent_table
@@ -83,19 +89,18 @@ class NumpyRateLoop:
         b = np.empty((len(dofs), n, r))
         h = np.empty((len(dofs), n, r * (r + 1) // 2))
         c = np.empty((len(dofs), n * (n + 1) // 2))
-        for k, unit in enumerate(np.eye(n).tolist()):
-            slopes, curvature, viscosities = self._kernel.function(y, a, p, tuple(unit))
-            for i, value in enumerate(slopes):
-                b[:, k, i] = value
-            for i, value in enumerate(curvature):
-                h[:, k, i] = value
-        for i, value in enumerate(viscosities):
-            c[:, i] = value
+        for k, batches in enumerate(self._batches):
+            batches.evaluate((0, 1, 2), (b[:, k].T, h[:, k].T, c.T), y, a, p)
         return b, h[:, :, self._packed], c[:, self._viscosity], w
 
     def _add(self, chunk: slice, g: FloatArray, r: FloatArray) -> None:
         local = g @ self._reduction
         r += np.bincount(self._dofs[chunk].reshape(-1), local.reshape(-1), minlength=len(r))
+
+
+def _of(kernel: RateKernel, unit: list[float]) -> Callable[..., Any]:
+    """The kernel for one of its strains."""
+    return lambda y, a, p: kernel.function(y, a, p, tuple(unit))
 
 
 def _stress(b: FloatArray, c: FloatArray, w: FloatArray) -> FloatArray:
