@@ -72,7 +72,7 @@ def milliseconds(run_dir: Path, ground: str, pictures: int, film: Path) -> Seque
                 ticks.append(time.process_time())
                 image = scene.shoot(number)
                 ticks.append(time.process_time())
-                image = labels.write(image, shot, job.decimals)
+                labels.write(image, shot, job.decimals)
                 ticks.append(time.process_time())
                 take(image)
                 spent.append(np.diff(ticks))

@@ -60,11 +60,11 @@ class Labels:
         if box is not None:
             self._pieces.append((box, canvas.crop(box)))
 
-    def write(self, image: Image, shot: Shot, decimals: int) -> Image:
-        """The picture with its labels.
+    def write(self, image: Image, shot: Shot, decimals: int) -> None:
+        """Write them on a picture.
 
         Args:
-            image: RGB or RGBA, shape (height, width, channels).
+            image: RGB or RGBA, shape (height, width, channels); changed.
             shot: What is shown.
             decimals: Digits of the time after the point, the same in all frames of a film.
         """
@@ -72,26 +72,24 @@ class Labels:
         from PIL import ImageDraw
 
         if self._none:
-            return image
-        written = image.copy()
+            return
         for box, piece in self._pieces:
             place = _place(box)
-            below = Pillow.fromarray(written[place])
+            below = Pillow.fromarray(image[place])
             if below.mode == "RGBA":
                 below = Pillow.alpha_composite(below, piece)
             else:
                 below.paste(piece, mask=piece.getchannel("A"))
-            written[place] = np.asarray(below)
+            image[place] = np.asarray(below)
         foot = image.shape[0] - self._margin
         speed = "" if shot.speed == 1.0 else f"   (speed {shot.speed:.4g})"
         text = f"t = {shot.t:.{decimals}f} s{speed}"
         # only the strip of the text is taken out of the picture
         top = max(int(foot - 2.0 * self._height), 0)
-        strip = Pillow.fromarray(written[top:])
+        strip = Pillow.fromarray(image[top:])
         at = (self._margin, foot - top)
         ImageDraw.Draw(strip).text(at, text, self._ink, font(self._height), anchor="ls")
-        written[top:] = np.asarray(strip)
-        return written
+        image[top:] = np.asarray(strip)
 
     def _length_scale(self, pen: ImageDraw, settings: Settings, pixel: float) -> None:
         height, foot = self._height, settings.size[1] - self._margin

@@ -32,7 +32,8 @@ def work(job: Job) -> Iterator[Image]:
     with read(job.run_dir) as run:
         images = RENDERERS[job.renderer](stage_of(job, run))
         for shot, image in zip(job.shots, images, strict=True):
-            yield labels.write(image, shot, job.decimals)
+            labels.write(image, shot, job.decimals)
+            yield image
 
 
 def stage_of(job: Job, run: Run) -> Stage:
