@@ -9,9 +9,10 @@ an energy alone needs a quarter. They do the same operations, to the last bit.
 
 from __future__ import annotations
 
-from collections import defaultdict
+from collections import defaultdict, deque
 from collections.abc import Callable, Sequence
 from functools import partial
+from operator import call
 from typing import Any, Final, NamedTuple
 
 import numpy as np
@@ -249,8 +250,8 @@ class Replay:
             target[:] = source
         if wanted not in self._needed:
             self._needed[wanted] = self._only(wanted)
-        for call in self._needed[wanted]:
-            call()
+        # a loop without bytecode, in nine tenths of the time
+        deque(map(call, self._needed[wanted]), maxlen=0)
         return [self._results[place][1] for place in wanted]
 
     def _only(self, wanted: tuple[int, ...]) -> list[Callable[[], Any]]:
