@@ -17,7 +17,7 @@ from .frame import Frame, Topology
 
 
 class CsvWriter:
-    """Appends one line per frame or step; each line is with the system when the call returns.
+    """Appends one line per frame or step; they are with the system when the call returns.
 
     Args:
         path: The file, usually ``scalars.csv``.
@@ -37,7 +37,7 @@ class CsvWriter:
             OutputError: If the file exists (new run), or is missing or has other columns (resume).
         """
         self._names = tuple(name for name in topology.scalars if name != "t")
-        header = _line(["t [s]", *(f"{name} [{topology.scalars[name]}]" for name in self._names)])
+        header = _header(["t [s]", *(f"{name} [{topology.scalars[name]}]" for name in self._names)])
         if self._resume_at is None:
             with output_errors(self._path, "create"):
                 self._file = self._path.open("xb", buffering=0)
@@ -55,8 +55,7 @@ class CsvWriter:
         Raises:
             OutputError: If a line could not be written; lines before it are kept.
         """
-        for frame in frames:
-            self.write_row(frame.t, frame.scalars)
+        self._append(b"".join(self._row(frame.t, frame.scalars) for frame in frames))
 
     def write_row(self, t: float, scalars: Mapping[str, float]) -> None:
         """Append one row, for runs that log every step and not only frames.
@@ -68,14 +67,19 @@ class CsvWriter:
         Raises:
             OutputError: If the line could not be written.
         """
-        self._append(_line([repr(float(t)), *(repr(float(scalars[name])) for name in self._names)]))
+        self._append(self._row(t, scalars))
 
-    def _append(self, line: bytes) -> None:
+    def _row(self, t: float, scalars: Mapping[str, float]) -> bytes:
+        return (
+            ",".join([repr(float(t)), *(repr(float(scalars[name])) for name in self._names)]) + "\n"
+        ).encode()
+
+    def _append(self, lines: bytes) -> None:
         if self._file is None:
             raise ValueError("write before open")
         with output_errors(self._path):
-            # The file is unbuffered: a line is one call of the system, and a failure shows at once.
-            write_fully(self._file, line)
+            # The file is unbuffered: lines are one call of the system, and a failure shows at once.
+            write_fully(self._file, lines)
 
     def close(self) -> None:
         """Close the file; safe to call twice.
@@ -89,7 +93,7 @@ class CsvWriter:
             self._file = None
 
 
-def _line(cells: list[str]) -> bytes:
+def _header(cells: list[str]) -> bytes:
     text = io.StringIO()
     csv.writer(text, lineterminator="\n").writerow(cells)
     return text.getvalue().encode()
