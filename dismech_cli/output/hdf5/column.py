@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import prod
 from typing import Any
 
 import numpy as np
@@ -23,12 +24,14 @@ class Column:
         rows: Rows added by each frame.
         tail: Shape of one row.
         dtype: Type of the numbers on disk.
+        chunk: Shape of the pieces that the file grows by.
     """
 
     dataset: Any
     rows: int
     tail: tuple[int, ...]
     dtype: np.dtype[Any]
+    chunk: tuple[int, ...]
 
     @property
     def frames(self) -> int:
@@ -59,9 +62,8 @@ class Column:
 
     def room(self, frames: int) -> int:
         """Bytes of the chunks that so many more frames take at most."""
-        chunk = int(np.prod(self.dataset.chunks)) * int(self.dataset.dtype.itemsize)
-        per_chunk = int(self.dataset.chunks[0]) // max(self.rows, 1)
-        return chunk * -(-frames // per_chunk)
+        per_chunk = self.chunk[0] // max(self.rows, 1)
+        return prod(self.chunk) * self.dtype.itemsize * -(-frames // per_chunk)
 
 
 def create_column(
@@ -81,13 +83,14 @@ def create_column(
     import h5py
     from h5py import h5a, h5d, h5p, h5s, h5t
 
-    frame_bytes = max(rows, 1) * int(np.prod(tail, dtype=np.int64)) * np.dtype(dtype).itemsize
+    frame_bytes = max(rows, 1) * prod(tail) * np.dtype(dtype).itemsize
     per_chunk = max(1, _SMALLEST_CHUNK // max(frame_bytes, 1))
     links = h5p.create(h5p.LINK_CREATE)
     links.set_create_intermediate_group(True)
     storage = h5p.create(h5p.DATASET_CREATE)
     # A dimension of a chunk must not be zero, even where the row is empty.
-    storage.set_chunk((max(rows, 1) * per_chunk, *(max(size, 1) for size in tail)))
+    chunk = (max(rows, 1) * per_chunk, *(max(size, 1) for size in tail))
+    storage.set_chunk(chunk)
     storage.set_obj_track_times(False)
     space = h5s.create_simple((0, *tail), (h5s.UNLIMITED, *tail))
     handle = h5d.create(
@@ -97,9 +100,10 @@ def create_column(
         value = np.array(told, dtype=h5py.string_dtype() if isinstance(told, str) else np.int64)
         kind = h5t.py_create(value.dtype, logical=True)
         h5a.create(handle, key.encode(), kind, h5s.create(h5s.SCALAR)).write(value)
-    return open_column(h5py.Dataset(handle), rows)
+    return Column(h5py.Dataset(handle), rows, tail, np.dtype(dtype), chunk)
 
 
 def open_column(dataset: Any, rows: int) -> Column:
     """Describe a dataset that exists as a column of ``rows`` rows per frame."""
-    return Column(dataset, rows, tuple(int(size) for size in dataset.shape[1:]), dataset.dtype)
+    tail = tuple(int(size) for size in dataset.shape[1:])
+    return Column(dataset, rows, tail, dataset.dtype, tuple(int(size) for size in dataset.chunks))
