@@ -52,12 +52,14 @@ class Snapshot:
 
     def binormals(self, triples: IntArray) -> FloatArray:
         """Integrated curvature binormals (J, 3) of joints (J, 3), which fields of the same joints share."""
-        if id(triples) not in self._binormals:
-            self._binormals[id(triples)] = curvature_binormal(self.positions, triples)
-        return self._binormals[id(triples)]
+        known = self._binormals.get(id(triples))
+        if known is None:
+            # with the triples, so that no others can lie where they did
+            known = self._binormals[id(triples)] = triples, curvature_binormal(self.positions, triples)
+        return known[1]
 
     @cached_property
-    def _binormals(self) -> dict[int, FloatArray]:
+    def _binormals(self) -> dict[int, tuple[IntArray, FloatArray]]:
         return {}
 
     @cached_property
