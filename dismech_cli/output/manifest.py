@@ -10,7 +10,7 @@ import sys
 from collections.abc import Mapping
 from dataclasses import asdict, field, fields
 from datetime import UTC, datetime
-from importlib import import_module, metadata
+from importlib import import_module
 from pathlib import Path
 from typing import Literal, get_args
 
@@ -40,6 +40,9 @@ _PACKAGES = (
 
 def installed_versions() -> dict[str, str]:
     """Versions of Python, of this program and of the libraries that shape a result."""
+    # whoever only reads a run has no use for it, nor for the reader of mail that it loads
+    from importlib import metadata
+
     # Looked up by name: the root names every layer as a lazy door, and this layer must not import those.
     version = str(import_module(__name__.partition(".")[0]).__version__)
     versions = {"python": platform.python_version(), "dismech": version}
@@ -57,6 +60,8 @@ def _version(package: str) -> str:
     Raises:
         metadata.PackageNotFoundError: It is not installed.
     """
+    from importlib import metadata
+
     found = metadata.distribution(package)
     line = re.search(r"^Version:\s*(\S+)", found.read_text("METADATA") or "", re.MULTILINE)
     return line[1] if line else found.version
