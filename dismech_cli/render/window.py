@@ -122,7 +122,7 @@ class Window:
         bounds = np.reshape(self.renderer.ComputeVisiblePropBounds(), (3, 2))
         corners = np.array([*itertools.product(*bounds, (1.0,))])
         matrix = self._camera.GetCompositeProjectionTransformMatrix(self._width / self._height, -1.0, 1.0)
-        seen = corners @ np.reshape(matrix.GetData(), (4, 4)).T
+        seen = corners @ [[matrix.GetElement(row, column) for row in range(4)] for column in range(4)]
         if (seen[:, 3] <= 0.0).any():
             # something is behind the eye
             return slice(0, self._height), slice(0, self._width)
