@@ -11,7 +11,7 @@ import pytest
 
 CODE = """
 import json, sys
-import dismech_cli.arrays
+import dismech_cli.solve
 import numpy as np
 import scipy.linalg, scipy.sparse, scipy.spatial, scipy.interpolate
 from scipy._lib.array_api_compat import numpy as copy
