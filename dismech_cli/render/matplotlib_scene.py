@@ -10,6 +10,7 @@ import numpy as np
 from ..arrays import FloatArray
 from .coloring import INK, PAPER, Colors, paled
 from .contact_marks import contact_marks
+from .figures import empty_figure
 from .ground import grid_lines
 from .job import Stage
 from .joint_marks import joint_marks
@@ -73,16 +74,14 @@ def _shade(normals: FloatArray, colors: FloatArray) -> FloatArray:
 def _paint(
     shown: list[Triangles], lines: FloatArray, trails: FloatArray, settings: Settings, half_height: float
 ) -> Image:
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.collections import LineCollection, PolyCollection
-    from matplotlib.figure import Figure
-
     width, height = settings.size
     clear = settings.background == "transparent"
     paper, ink = (tuple(c / 255 for c in table[settings.background]) for table in (PAPER, INK))
     facecolor: Any = (*paper, 0.0 if clear else 1.0)
-    figure = Figure(figsize=(width / _DPI, height / _DPI), dpi=_DPI, facecolor=facecolor)
-    canvas: Any = FigureCanvasAgg(figure)
+    figure = empty_figure(width / _DPI, height / _DPI, dpi=_DPI, facecolor=facecolor)
+    canvas: Any = figure.canvas
+    from matplotlib.collections import LineCollection, PolyCollection
+
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
     half_width = half_height * width / height
     axes.set(xlim=(-half_width, half_width), ylim=(-half_height, half_height))

@@ -11,6 +11,7 @@ from ..errors import ScenarioError
 from ..output.durable import output_errors, staged
 from ..output.read import read
 from ..output.run_directory import RENDER_FOLDER
+from .figures import empty_figure
 
 _INK = "#3a4450"
 _LINE = "#2e7da6"
@@ -32,9 +33,6 @@ def plot_scalars(run_dir: Path, names: Sequence[str] | None = None, output: Path
         ScenarioError: If the run has no such column.
         OutputError: If the run cannot be read or the file cannot be written.
     """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
     from .plain_numbers import PlainNumbers
 
     with read(run_dir) as run:
@@ -48,8 +46,7 @@ def plot_scalars(run_dir: Path, names: Sequence[str] | None = None, output: Path
         raise ScenarioError(f"cannot plot: {run_dir} has no scalars")
     across = min(len(chosen), 3)
     down = -(-len(chosen) // across)
-    figure = Figure(figsize=(_PANEL[0] * across, _PANEL[1] * down), dpi=130, layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = empty_figure(_PANEL[0] * across, _PANEL[1] * down, dpi=130, layout="constrained")
     panels = figure.subplots(down, across, sharex=True, squeeze=False).ravel()
     for panel, name in zip(panels, chosen, strict=False):
         finite = np.isfinite(table[name])

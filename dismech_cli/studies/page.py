@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from ..output.durable import write_bytes
+from ..render.figures import empty_figure
 
 if TYPE_CHECKING:  # a page without diagrams needs no Matplotlib
     from matplotlib.axes import Axes
@@ -123,9 +124,7 @@ def picture(data: bytes, kind: str, caption: str = "") -> str:
 
 def new_figure(across: int = 1, down: int = 1) -> tuple[Figure, list[Axes]]:
     """An empty figure with panels in the style of the house, row by row."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(4.2 * across, 2.9 * down), dpi=110, layout="constrained")
+    figure = empty_figure(4.2 * across, 2.9 * down, dpi=110, layout="constrained")
     panels = list(figure.subplots(down, across, squeeze=False).ravel())
     for panel in panels:
         panel.spines[["top", "right"]].set_visible(False)
