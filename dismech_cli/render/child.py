@@ -7,9 +7,6 @@ import signal
 import sys
 from pathlib import Path
 
-# The buffers of a picture are many megabytes: the system clears them in a third of the time in large pages.
-_LARGE_PAGES = "glibc.malloc.hugetlb=1"
-
 
 def command(module: str) -> list[str]:
     """Command line that runs a module of this folder."""
@@ -19,19 +16,9 @@ def command(module: str) -> list[str]:
 def environment(**more: str) -> dict[str, str]:
     """Environment in which the child finds this very package, installed or not, and ``more``."""
     root = str(Path(__file__).resolve().parents[2])
-    path = _listed(root, "PYTHONPATH", os.pathsep)
-    return {
-        **os.environ,
-        "PYTHONPATH": path,
-        "GLIBC_TUNABLES": _listed(_LARGE_PAGES, "GLIBC_TUNABLES", ":"),
-        **more,
-    }
-
-
-def _listed(first: str, variable: str, separator: str) -> str:
-    """A list in the environment after one more entry."""
-    inherited = os.environ.get(variable)
-    return first if not inherited else separator.join([first, inherited])
+    inherited = os.environ.get("PYTHONPATH")
+    path = root if not inherited else os.pathsep.join([root, inherited])
+    return {**os.environ, "PYTHONPATH": path, **more}
 
 
 def describe_exit(code: int) -> str:
