@@ -154,7 +154,7 @@ ALL: Final = (
     shipped("helix_soft", 2.0, "--no-render"),
     shipped("contortion", 2.0, "--no-render"),
     shipped("cantilever_dynamic_1e5", None, "--no-render"),
-    shipped("contortion", None),
+    *(shipped(name, None) for name in ("jellyfish", "parachute", "snake", "helix_soft", "contortion")),
     shipped("cantilever_dynamic_1e5", None),
     sheet(1000, "hinge", 5e-3, _NO_SLOWER),
     sheet(1000, "hinge", 2e-3, _NO_SLOWER),
