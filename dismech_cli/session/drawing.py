@@ -42,22 +42,22 @@ class Wishes:
     output: Path | None = None
 
 
-def draw_asked(record: Record, asked: Render, narrator: Narrator) -> Finished:
+def draw_asked(record: Record, loaded: LoadedScenario, narrator: Narrator) -> Finished:
     """Draw what the scenario of a run asks for; a failure is a warning, as the run itself is done.
 
     Args:
         record: The run.
-        asked: What is asked for.
+        loaded: Its scenario, which asks.
         narrator: Told what is drawn and how long it took; the log of the run is too.
     """
-    parts = _parts(asked)
+    parts = _parts(loaded.scenario.output.render)
     if record.manifest.status != "done" or not parts:
         return Finished(record)
     logged = Logged(narrator, record.run_dir / LOG_FILE)
     logged.say(f"rendering {', '.join(parts)}")
     tick = time.perf_counter()
     try:
-        pictures = draw(record.run_dir, Wishes(), logged)
+        pictures = _draw(record.run_dir, loaded, Wishes(), logged)
     except DismechError as error:
         logged.warn(f"no pictures: {error}\n  later: dismech render {record.run_dir}")
         return Finished(record)
@@ -90,11 +90,14 @@ def draw(run_dir: Path, wishes: Wishes, narrator: Narrator) -> list[Path]:
         OutputError: The run cannot be read or a file cannot be written.
         RenderError: This machine cannot draw or encode.
     """
-    loaded = asked_of(run_dir, wishes.changes, wishes.color_by)
+    return _draw(run_dir, asked_of(run_dir, wishes.changes, wishes.color_by), wishes, narrator)
+
+
+def _draw(run_dir: Path, loaded: LoadedScenario, wishes: Wishes, narrator: Narrator) -> list[Path]:
     asked = loaded.scenario.output.render
     files: list[Path] = []
     if formats := (wishes.format,) if wishes.format else formats_of(asked):
-        drawn = _draw(run_dir, loaded, formats, wishes, narrator)
+        drawn = _rendered(run_dir, loaded, formats, wishes, narrator)
         for note in drawn.notes:
             narrator.say(note)
         files += drawn.files
@@ -103,7 +106,7 @@ def draw(run_dir: Path, wishes: Wishes, narrator: Narrator) -> list[Path]:
     return files
 
 
-def _draw(
+def _rendered(
     run_dir: Path, loaded: LoadedScenario, formats: tuple[Format, ...], wishes: Wishes, narrator: Narrator
 ) -> Drawn:
     asked = loaded.scenario.output.render

@@ -119,7 +119,7 @@ def proceed(
         return Finished(record)
     from .drawing import draw_asked
 
-    return draw_asked(record, later.scenario.output.render, narrator)
+    return draw_asked(record, later, narrator)
 
 
 def _scenario(run_dir: Path) -> LoadedScenario:

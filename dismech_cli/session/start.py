@@ -94,7 +94,7 @@ def start(request: Start, narrator: Narrator) -> Finished:
         return Finished(done)
     from .drawing import draw_asked
 
-    return draw_asked(done, loaded.scenario.output.render, narrator)
+    return draw_asked(done, loaded, narrator)
 
 
 def _directory(request: Start, loaded: LoadedScenario) -> Path:
