@@ -173,12 +173,12 @@ def test_cameras_are_placed_as_written(tmp_path: Path) -> None:
 def test_whoever_stops_the_drawing_is_told_how_to_go_on(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def stopped(*asked: object) -> None:
+    def stopped(*asked: object, **named: object) -> None:
         raise KeyboardInterrupt
 
     run_dir = ran(tmp_path)
     record = Record(run_dir=run_dir, manifest=load_manifest(run_dir), ending=Ending(Exit.DONE, ""))
-    monkeypatch.setattr("dismech_cli.session.drawing.draw", stopped)
+    monkeypatch.setattr("dismech_cli.session.drawing.render", stopped)
     with pytest.raises(KeyboardInterrupt):
-        draw_asked(record, load(run_dir / SCENARIO_FILE).scenario.output.render, Silent())
+        draw_asked(record, load(run_dir / SCENARIO_FILE), Silent())
     assert f"no pictures; later: dismech render {run_dir}" in (run_dir / LOG_FILE).read_text()
